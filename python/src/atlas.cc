@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pybind11/stl.h>
 
-#include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
+#include "python/src/row_class.h"
 #include "slamdb/formats/info.h"
 
 namespace slamdb::python {
@@ -35,10 +35,6 @@ py::list CamerasOf(const HeldAtlas& atlas) {
   return cameras;
 }
 
-std::string Counted(std::size_t count, const char* noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
 std::string TextOf(const MapInAtlas& map) {
   const auto shown = map.map();
   return ToString(map.id) + ": " + Counted(shown->keyframes.size(), "keyframe") + ", " +
@@ -54,8 +50,9 @@ std::string TextOf(const std::shared_ptr<HeldAtlas>& atlas) {
 }  // namespace
 
 void DefineAtlas(py::module_& module) {
-  py::class_<MapInAtlas>(module, "Map", "Keyframes and map points in one world frame.")
-      .def_property_readonly("id", [](const MapInAtlas& m) { return IdOrNone(m.id); })
+  py::class_<MapInAtlas> map(module, "Map", "Keyframes and map points in one world frame.");
+  DefineIdentity(map);
+  map.def_property_readonly("id", [](const MapInAtlas& m) { return IdOrNone(m.id); })
       .def_property_readonly("keyframes", [](const MapInAtlas& m) { return KeyFramesInMap{m}; })
       .def_property_readonly("points", [](const MapInAtlas& m) { return PointsInMap{m}; })
       .def_property_readonly(
@@ -75,9 +72,6 @@ void DefineAtlas(py::module_& module) {
       .def_property_readonly(
           "layout", [](const HeldAtlas& a) { return a.value()->layout; },
           "of the fork's file it was read from; empty: ORB-SLAM3 v1.0")
-      .def(
-          "copy", [](const HeldAtlas& a) { return std::make_shared<HeldAtlas>(*a.value()); },
-          "An atlas of its own, with the same content.")
       .def("__repr__", [](const std::shared_ptr<HeldAtlas>& a) { return TextOf(a); });
 }
 

@@ -52,8 +52,7 @@ Eigen::Quaterniond QuaternionAt(const double* xyzw) { return {xyzw[3], xyzw[0], 
 
 // World from camera: (N, 4, 4) matrices, or (N, 7) tx ty tz qx qy qz qw.
 std::vector<Rigid3f> PosesOf(py::handle given) {
-  const py::array array = py::array::ensure(given);
-  if (!array) PyErr_Clear();
+  const py::array array = ArrayOrNull(given);
   const bool are_matrices = array && array.ndim() == 3;
   const auto numbers = GivenAs<double>(given, "poses", are_matrices ? Shape{-1, 4, 4} : Shape{-1, 7});
   std::vector<Rigid3f> poses;

@@ -43,7 +43,7 @@ Row<Entity> ById(const Entities& entities, Id<Entity> id) {
 // World from camera, tx ty tz qx qy qz qw.
 py::array PosesQuaternion(const KeyFramesInMap& keyframes) {
   const auto list = keyframes.list();
-  py::array_t<double> poses({static_cast<py::ssize_t>(list->size()), py::ssize_t{7}});
+  auto poses = NewArray<double>({static_cast<py::ssize_t>(list->size()), py::ssize_t{7}});
   double* at = poses.mutable_data();
   for (const KeyFrame& keyframe : *list) {
     const Rigid3f pose = keyframe.camera_from_world.Normalized().Inverse();
@@ -80,7 +80,7 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
                              "(N, 7) float64, computed: world from (left) camera, tx ty tz qx qy qz qw")
       .def_property_readonly("connections", &ConnectionsOf,
                              "computed: the covisibility graph, compressed by rows; see Map.covisibility")
-      .def_property_readonly("frame_ids", Members<std::uint64_t>(&KeyFrame::frame_id),
+      .def_property_readonly("frame_ids", FixedMembers<std::uint64_t>(&KeyFrame::frame_id),
                              "(N,) uint64: ids of the frames that became them")
       .def_property_readonly(
           "cameras",
@@ -125,9 +125,9 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
 
 void DefinePointColumns(PointsClass points) {
   points
-      .def_property_readonly("first_frames", Members<std::int64_t>(&MapPoint::first_frame),
+      .def_property_readonly("first_frames", FixedMembers<std::int64_t>(&MapPoint::first_frame),
                              "(N,) int64: ids of the frames that made them")
-      .def_property_readonly("weights", Members<std::int32_t>(&MapPoint::observation_count),
+      .def_property_readonly("weights", FixedMembers<std::int32_t>(&MapPoint::observation_count),
                              "(N,) int32: observations as ORB-SLAM3 counts them (nObs), with stereo or depth twice")
       .def(
           "rows_of",

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/stl.h>
-
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "python/src/arguments.h"
 #include "python/src/held_atlas.h"
 #include "python/src/module.h"
 #include "python/src/reopen.h"
+#include "python/src/row_class.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/repair/journal.h"
 #include "slamdb/model/digest.h"
@@ -23,41 +23,45 @@ namespace {
 using Held = std::shared_ptr<HeldAtlas>;
 using KeptJournal = std::shared_ptr<const Journal>;
 
-std::string PathOf(const py::object& path) {
-  return py::module_::import("os").attr("fspath")(path).cast<std::string>();
+Journal JournalAt(const py::object& path) {
+  const std::string from = TextOfPath(path);
+  return WithoutGil([&] { return ReadJournal(from); });
 }
 
 // A session works on a copy. What happens to the atlas meanwhile would be lost when the copy is put in its place, and
 // is an error then.
+// Threads may share one: what a call works on is its own, and of two that end the edit one comes first.
 class Edit {
  public:
   Edit(Held atlas, std::string label, bool keeps_journal)
       : atlas_(std::move(atlas)), label_(std::move(label)), keeps_journal_(keeps_journal), base_(atlas_->value()) {
-    const py::gil_scoped_release unlocked;
+    atlas_->RequireOpen();
+    const Unlocked unlocked;
     original_ = HashWithoutEncoding(*base_);
     work_ = std::make_shared<HeldAtlas>(*base_);
   }
+  ~Edit() { Drop(); }
+  Edit(const Edit&) = delete;
+  Edit& operator=(const Edit&) = delete;
 
   const Held& work() const {
     RequireOpen();
     return work_;
   }
   bool is_open() const { return work_ != nullptr; }
+  bool has_journal() const { return journal_ != nullptr; }
 
   void Commit() {
     RequireOpen();
-    if (atlas_->value() != base_) FailChanged();
-    std::shared_ptr<Atlas> changed = work_->value();
-    KeptJournal journal = [&] {
-      const py::gil_scoped_release unlocked;
-      return JournalOf(*changed);
-    }();
-    atlas_->Put(std::move(changed), journal);
-    journal_ = std::move(journal);
+    const Held work = work_;
+    const std::shared_ptr<Atlas> base = base_;
+    journal_ = atlas_->TakeOver(base, *work, [&](const Atlas& made) { return JournalOf(*base, made); });
     Drop();
   }
 
+  // Maps and the atlas of the edit, which somebody may keep, show what they show, and are changed no more.
   void Drop() {
+    if (work_) work_->Close();
     work_.reset();
     base_.reset();
   }
@@ -74,15 +78,11 @@ class Edit {
     if (!work_) throw Error(ErrorKind::kUsage, "the edit is over: begin another one with atlas.edit()");
   }
 
-  [[noreturn]] static void FailChanged() {
-    throw Error(ErrorKind::kNotPossible, "the atlas was changed while the edit was open: change what edit.maps has");
-  }
-
-  KeptJournal JournalOf(const Atlas& changed) const {
-    if (HashWithoutEncoding(*base_) != original_) FailChanged();
+  KeptJournal JournalOf(const Atlas& base, const Atlas& changed) const {
+    if (HashWithoutEncoding(base) != original_) HeldAtlas::FailChanged();
     if (!keeps_journal_) return nullptr;
-    auto journal = std::make_shared<Journal>(Journal{.original = original_, .encoding = base_->encoding});
-    AppendChanges(*base_, changed, label_, *journal);
+    auto journal = std::make_shared<Journal>(Journal{.original = original_, .encoding = base.encoding});
+    AppendChanges(base, changed, label_, *journal);
     journal->repaired = HashWithoutEncoding(changed);
     return journal;
   }
@@ -107,7 +107,7 @@ std::uint64_t Undo(HeldAtlas& atlas, const Journal& journal) {
 // Of a journal, its file, or the last edit of this atlas.
 std::uint64_t UndoBy(HeldAtlas& atlas, const py::object& journal) {
   if (py::isinstance<Journal>(journal)) return Undo(atlas, journal.cast<const Journal&>());
-  if (!journal.is_none()) return Undo(atlas, ReadJournal(PathOf(journal)));
+  if (!journal.is_none()) return Undo(atlas, JournalAt(journal));
   if (atlas.history().empty())
     throw Error(ErrorKind::kNotPossible, "there is no edit to take back: give the journal of one, or its file");
   const KeptJournal last = atlas.history().back();
@@ -123,16 +123,22 @@ void DefineJournal(py::module_& module) {
       .def(
           "save",
           [](const Journal& j, const py::object& path, bool overwrite) {
-            WriteJournal(j, PathOf(path), {.overwrite = overwrite});
+            const std::string to = TextOfPath(path);
+            const Unlocked unlocked;
+            WriteJournal(j, to, {.overwrite = overwrite});
           },
           py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
           "Write it to a file, with which `slamdb repair --undo` takes the change back, too.")
       .def_static(
-          "read", [](const py::object& path) { return std::make_shared<Journal>(ReadJournal(PathOf(path))); },
-          py::arg("path"), "Read the file of one.")
-      .def("__repr__", [](const Journal& j) {
-        return "<slamdb.Journal: " + std::to_string(j.edits.size()) + (j.edits.size() == 1 ? " edit>" : " edits>");
-      });
+          "read", [](const py::object& path) { return std::make_shared<Journal>(JournalAt(path)); }, py::arg("path"),
+          "Read the file of one.")
+      .def("__repr__", [](const Journal& j) { return "<slamdb.Journal: " + Counted(j.edits.size(), "edit") + ">"; });
+}
+
+std::string TextOf(const Edit& edit) {
+  if (edit.is_open()) return "<slamdb.Edit: open>";
+  if (!edit.has_journal()) return "<slamdb.Edit: over>";
+  return "<slamdb.Edit: put in place, " + Counted(edit.journal()->edits.size(), "edit") + ">";
 }
 
 void DefineSession(py::module_& module) {
@@ -142,7 +148,9 @@ void DefineSession(py::module_& module) {
         edit.maps[0].remove_points(edit.maps[0].points.weights < 3)
     edit.undo()
 
-Columns of edit.maps are writable. What the block raises drops the change. The atlas must stay as it is meanwhile.)")
+Columns of edit.maps are writable. What the block raises drops the change. The atlas must stay as it is meanwhile:
+putting the change in place raises NotPossibleError where it was changed, or another thread is changing it.
+Afterwards edit.maps and edit.atlas are over: maps that were kept can be read, and raise UsageError for changes.)")
       .def_property_readonly("atlas", &Edit::work, "the atlas as it will be")
       .def_property_readonly(
           "maps", [](const Edit& e) { return py::object(py::cast(e.work()).attr("maps")); }, "its maps")
@@ -155,6 +163,7 @@ Columns of edit.maps are writable. What the block raises drops the change. The a
           "undo", [](const Edit& e) { return Undo(*e.atlas(), *e.journal()); },
           "Make the atlas bit by bit what it was before; returns how many edits were taken back. Raises\n"
           "NotPossibleError when it was changed since: take later edits back first.")
+      .def("__repr__", &TextOf)
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Edit& e, const py::object& raised, const py::object&, const py::object&) {
         if (e.is_open()) raised.is_none() ? e.Commit() : e.Drop();

@@ -10,6 +10,7 @@
 #include "python/src/errors.h"
 #include "python/src/module.h"
 #include "python/src/selections.h"
+#include "python/src/unlocked.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
@@ -76,7 +77,7 @@ template <class Work>
 auto Told(const Work& work) {
   Notices notices;
   auto result = [&] {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return work(notices);
   }();
   return std::pair(std::move(result), ListOf(notices));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "python/src/arrays.h"
 #include "slamdb/build/build.h"
 
 namespace slamdb::python {
@@ -29,11 +30,8 @@ bool Fits(const py::array& array, const Shape& shape) {
 }
 
 py::array Given(py::handle object, const std::string& name, const Shape& shape, const char* kinds, const char* wanted) {
-  const py::array array = py::array::ensure(object);
-  if (!array) {
-    PyErr_Clear();
-    RefuseGiven(name, "is no array of " + std::string(wanted));
-  }
+  const py::array array = ArrayOrNull(object);
+  if (!array) RefuseGiven(name, "is no array of " + std::string(wanted));
   RequireUnmasked(object, name);
   if (array.size() == 0 && !shape.empty() && shape.front() <= 0) {
     Shape empty = shape;

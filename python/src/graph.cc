@@ -19,7 +19,7 @@ namespace {
 using MapClass = py::class_<MapInAtlas>;
 
 py::array PairArray(const std::vector<KeyFrameEdge>& pairs) {
-  py::array_t<std::uint64_t> array({static_cast<py::ssize_t>(pairs.size()), py::ssize_t{2}});
+  auto array = NewArray<std::uint64_t>({static_cast<py::ssize_t>(pairs.size()), py::ssize_t{2}});
   std::uint64_t* at = array.mutable_data();
   for (const auto& [one, other] : pairs) {
     *at++ = one.value();

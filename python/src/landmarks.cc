@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
 #include "python/src/reopen.h"
+#include "python/src/row_class.h"
 
 // Landmarks with Gaussian positions, of MRPT.
 namespace slamdb::python {
@@ -19,7 +19,7 @@ auto OfLandmarks(const Member& member, py::ssize_t width = 1) {
 
 py::array Covariances(const LandmarksInMap& landmarks) {
   const auto list = landmarks.list();
-  py::array_t<double> covariances({static_cast<py::ssize_t>(list->size()), py::ssize_t{3}, py::ssize_t{3}});
+  auto covariances = NewArray<double>({static_cast<py::ssize_t>(list->size()), py::ssize_t{3}, py::ssize_t{3}});
   double* at = covariances.mutable_data();
   for (const Landmark& landmark : *list) at = std::copy_n(landmark.pose().covariance.data(), 9, at);  // symmetric
   return ReadOnly(std::move(covariances));
@@ -28,9 +28,10 @@ py::array Covariances(const LandmarksInMap& landmarks) {
 }  // namespace
 
 void DefineLandmarks(py::module_& module) {
-  py::class_<LandmarksInMap>(module, "Landmarks", "The MRPT landmarks of a map: columns as numpy arrays.")
-      .def("__len__", [](const LandmarksInMap& l) { return l.list()->size(); })
-      .def_property_readonly("ids", OfLandmarks<std::uint64_t>(&Landmark::id),
+  py::class_<LandmarksInMap> landmarks(module, "Landmarks", "The MRPT landmarks of a map: columns as numpy arrays.");
+  DefineContainer(landmarks, "landmark");
+  landmarks
+      .def_property_readonly("ids", FixedMembersOf<LandmarksInMap, std::uint64_t>(&Landmark::id),
                              "(N,) uint64: CLandmark::ID; NONE where it has none")
       .def_property_readonly("means", OfLandmarks<double>(&Landmark::mean, 3),
                              "(N, 3) float64, writable: in the world frame of the map, metres or its units")

@@ -8,11 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "python/src/arrays.h"
 #include "python/src/errors.h"
 #include "python/src/held_atlas.h"
 #include "python/src/inputs.h"
 #include "python/src/module.h"
 #include "python/src/selections.h"
+#include "python/src/unlocked.h"
 #include "python/src/verb.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/formats/layouts/layout_text.h"
@@ -32,7 +34,7 @@ void DefineFind(py::module_& module) {
     const ManyInputs inputs = InputsOf(given);
     given.RequireAllTaken();
     const AtlasInputs found = [&] {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       return inputs.Find();
     }();
     py::list atlases;
@@ -54,6 +56,7 @@ MapQuery QueryOf(Arguments& given) {
     TakeRange(given, "keyframes", query.keyframes->first, query.keyframes->last);
   }
   if (given.Has("near")) {
+    RequireNumpy();
     const auto [center, radius] = given.Get<std::pair<Eigen::Vector3d, double>>("near");
     query.near = {center, radius};
   }
@@ -91,7 +94,7 @@ void DefinePages(py::module_& module) {
     given.RequireAllTaken();
     Notices notices;
     const Reports reports = [&] {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       return WriteReports(inputs.Named(), inputs.Find(), options);
     }();
     TellOutcomes(reports.outcomes, notices);
@@ -109,13 +112,13 @@ void DefineMany(py::module_& module) {
   DefinePages(module);
   module.def("summarize", [](const HeldAtlas& atlas) {
     const auto value = atlas.value();
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return ToJson(Summarize(*value));
   });
   module.def("write_file", [](const py::object& path, const py::bytes& data, bool overwrite, bool sync) {
     const OutputFile file{.path = TextOfPath(path), .options = {.overwrite = overwrite, .sync = sync}};
     const std::string_view held(data);  // by the caller's argument
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     RefuseAtlas(file.path);
     file.Write(held);
   });

@@ -48,10 +48,21 @@ auto MembersOf(const Member& member, pybind11::ssize_t width = 1) {
     return MemberView<Number>(list, *list, member, width);
   };
 }
+// The same of what must stay consistent: ids, links, and what is counted from them. Nothing may be written to it.
+template <class Entities, class Number, class Member>
+auto FixedMembersOf(const Member& member) {
+  return [view = MembersOf<Entities, Number>(member)](const Entities& entities) { return ReadOnly(view(entities)); };
+}
+
+template <class Entity>
+using EntitiesOf = std::conditional_t<std::is_same_v<Entity, KeyFrame>, KeyFramesInMap, PointsInMap>;
 template <class Number, class Entity, class Member>
 auto Members(Member Entity::*member, pybind11::ssize_t width = 1) {
-  using Entities = std::conditional_t<std::is_same_v<Entity, KeyFrame>, KeyFramesInMap, PointsInMap>;
-  return MembersOf<Entities, Number>(member, width);
+  return MembersOf<EntitiesOf<Entity>, Number>(member, width);
+}
+template <class Number, class Entity, class Member>
+auto FixedMembers(Member Entity::*member) {
+  return FixedMembersOf<EntitiesOf<Entity>, Number>(member);
 }
 
 // The row that a Python index means, which counts from the end where it is negative.

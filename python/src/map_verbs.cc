@@ -34,8 +34,9 @@ struct Which {
 };
 
 Which WhichOf(const py::object& given) {
-  const py::array array = py::array::ensure(given);
-  if (!array) PyErr_Clear();
+  const py::array array = ArrayOrNull(given);
+  if (array && py::isinstance(given, py::module_::import("numpy.ma").attr("MaskedArray")))
+    RefuseGiven("which", "is a masked array, of which some rows say nothing: give filled(False), or the ids");
   if (!array || array.dtype().kind() != 'b') return {.ids = GivenIds(given, "which")};
   if (array.ndim() != 1) RefuseGiven("which", "is a mask of more than one dimension");
   const py::array_t<bool, py::array::c_style> mask(array);
@@ -48,6 +49,9 @@ Flags ChosenOf(const Which& which, const List& list, const std::string& noun) {
   if (which.is_mask && which.mask.size() != list.size())
     RefuseGiven("which", "is a mask of another shape; there are " + std::to_string(list.size()) + " " + noun + "s");
   if (which.is_mask) return which.mask;
+  // Ids stand once; so many of 0 and 1 are flags.
+  if (list.size() > 2 && which.ids.size() == list.size() && std::ranges::max(which.ids) <= 1)
+    RefuseGiven("which", "are ids, all of them 0 or 1: is that a mask? give it as bool");
   Flags chosen(list.size(), 0);
   std::vector<std::pair<std::uint64_t, std::size_t>> rows;
   for (std::size_t row = 0; row < list.size(); ++row) rows.emplace_back(list[row].id.value(), row);
@@ -76,17 +80,28 @@ std::vector<KeyFrameEdge> PairsOf(const py::object& ones, const py::object& othe
   return pairs;
 }
 
+// Of who called.
+void Warn(const std::string& sentence) {
+  const py::object category = py::module_::import("slamdb.errors").attr("SlamdbWarning");
+  if (PyErr_WarnEx(category.ptr(), sentence.c_str(), 1) != 0) throw py::error_already_set();
+}
+
 // Removes what is chosen of `List`, closes what is left, and tells what became of it.
 template <auto List, auto Rows>
 py::object Remove(const MapInAtlas& map, const py::object& given, const char* noun, std::optional<Border> border) {
   const Which which = WhichOf(given);
-  const std::string report = map.atlas->ApplyWhole([&](Atlas& atlas) {
+  bool nothing_left = false;
+  const std::string report = map.atlas->Apply([&](Atlas& atlas) {
     const Flags chosen = ChosenOf(which, map.In(atlas).*List, noun);
     Subset subset = Subset::Everything(atlas);
     std::ranges::transform(chosen, (subset.maps[map.row].*Rows).begin(), [](bool goes) { return goes ? 0 : 1; });
     if (border) SettleBorder(AtlasIndex(atlas), *border, subset);
-    return ToJson(KeepSubset(atlas, subset));
+    std::string json = ToJson(KeepSubset(atlas, subset));
+    const auto left = std::ranges::find(atlas.maps, map.id, &Map::id);
+    nothing_left = left == atlas.maps.end() || ((*left).*List).empty();
+    return json;
   });
+  if (nothing_left) Warn(ToString(map.id) + " has no " + noun + " left");
   return py::module_::import("slamdb.report").attr("Report").attr("parse")(report);
 }
 
@@ -98,7 +113,7 @@ py::object RemoveKeyFrames(const MapInAtlas& map, const py::object& which, const
   return Remove<&Map::keyframes, &Subset::MapRows::keyframes>(map, which, "keyframe", BorderOf(border));
 }
 
-// `change(map)` of the map as it is in the value that is changed.
+// `change(map)` of the map as it is in the value that is changed: of links, in little time.
 template <class Change>
 auto ChangeMap(const MapInAtlas& map, const Change& change) {
   return map.atlas->ApplyWhole([&](Atlas& atlas) { return change(map.In(atlas)); });
@@ -106,9 +121,14 @@ auto ChangeMap(const MapInAtlas& map, const Change& change) {
 
 struct Nothing {};
 
+void UpdateCovisibility(const MapInAtlas& map) {
+  map.atlas->Apply([&](Atlas& atlas) { return UpdateConnections(map.In(atlas)), Nothing(); });
+}
+
 void UpdateChosen(const MapInAtlas& map, const py::object& given) {
   const std::optional<Which> which = given.is_none() ? std::nullopt : std::optional(WhichOf(given));
-  ChangeMap(map, [&](Map& changed) {
+  map.atlas->Apply([&](Atlas& atlas) {
+    Map& changed = map.In(atlas);
     const Flags chosen = which ? ChosenOf(*which, changed.points, "point") : Flags(changed.points.size(), 1);
     std::vector<std::uint32_t> rows;
     for (std::uint32_t row = 0; row < chosen.size(); ++row)
@@ -160,14 +180,16 @@ void DefineRemoving(MapClass map) {
   map.def("remove_points", &RemovePoints, py::arg("which"),
           R"(Remove points, and all that refers to them; returns what went as a Report: before, after, cut, chosen.
 
-which: mask (N,) bool, or ids)")
+which: mask (N,) bool, or ids
+Warns (SlamdbWarning) where none is left.)")
       .def("remove_keyframes", &RemoveKeyFrames, py::arg("which"), py::kw_only(), py::arg("border") = "strict",
            R"(Remove keyframes, and all that refers to them; returns what went as a Report: before, after, cut, chosen.
 
 Their children get other parents, points other reference keyframes, IMU measurements are joined over the gap.
 which: mask (N,) bool, or ids
 border: "strict": points go that fewer than two keyframes, and none with depth, still see; "smart": those that
-    ORB-SLAM3 culls, with observations that add up to 2 or less)");
+    ORB-SLAM3 culls, with observations that add up to 2 or less
+Warns (SlamdbWarning) where none, and with them no map, is left.)");
 }
 
 void DefineLinking(MapClass map) {
@@ -209,10 +231,7 @@ Raises UsageError (a ValueError) when a keyframe has no calibration, or no measu
 normals, distance ranges, descriptors and observation counts.
 
 which: mask (N,) bool, or ids; by default all)")
-      .def(
-          "update_covisibility",
-          [](const MapInAtlas& m) { ChangeMap(m, [](Map& changed) { return UpdateConnections(changed), Nothing(); }); },
-          "Count anew which keyframes share how many points.");
+      .def("update_covisibility", &UpdateCovisibility, "Count anew which keyframes share how many points.");
 }
 
 }  // namespace

@@ -33,5 +33,6 @@ void DefineLandmarks(pybind11::module_& module);
 void DefineBuilding(pybind11::module_& module);
 void DefineMapVerbs(pybind11::module_& module);
 void DefineEditing(pybind11::module_& module);
+void DefinePickling(pybind11::module_& module);
 
 }  // namespace slamdb::python

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "python/src/arrays.h"
 #include "python/src/given.h"
 
 namespace slamdb::python {
@@ -40,8 +41,7 @@ void SetMembers(const py::array& array, const std::string& name, Column<Keypoint
 Column<Keypoint> KeypointsOf(py::handle object, const std::string& name) {
   if (object.is_none()) return {};
   RequireUnmasked(object, name);
-  const py::array array = py::array::ensure(object);
-  if (!array) PyErr_Clear();
+  const py::array array = ArrayOrNull(object);
   const bool is_structured = array && array.ndim() == 1 && !array.dtype().attr("names").is_none();
   const py::array places = is_structured ? array : GivenNumbers(object, name, {-1, 2});
   Column<Keypoint> keypoints(static_cast<std::size_t>(places.shape(0)),

@@ -15,6 +15,7 @@
 #include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
 #include "python/src/reopen.h"
+#include "python/src/unlocked.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/output_name.h"
 #include "slamdb/formats/formats.h"
@@ -44,7 +45,7 @@ std::shared_ptr<HeldAtlas> Alone(const MapInAtlas& map) {
 py::list Statistics(const HeldAtlas& atlas) {
   const auto value = atlas.value();
   const AtlasStatistics statistics = [&] {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return ComputeStatistics(*value);
   }();
   py::list maps;
@@ -68,7 +69,7 @@ py::list Statistics(const HeldAtlas& atlas) {
 std::optional<std::string> Plan(const HeldAtlas& atlas, int width) {
   if (!CanPlot()) return std::nullopt;
   const auto value = atlas.value();
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   return DrawPlot(*value, {.kind = PlotKind::kPlan, .width = width}).bytes;
 }
 
@@ -139,7 +140,7 @@ py::tuple ViewPageOf(const py::dict& values) {
   given.RequireAllTaken();
   Notices notices;
   const ViewPage page = [&] {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     return viewing.Do(notices);
   }();
   return py::make_tuple(page.html, page.report.left_out, ListOf(notices));

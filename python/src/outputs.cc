@@ -5,6 +5,7 @@
 #include "python/src/errors.h"
 #include "python/src/estimates.h"
 #include "python/src/module.h"
+#include "python/src/unlocked.h"
 #include "python/src/verb.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
@@ -205,7 +206,7 @@ void DefinePlot(py::module_& module) {
     given.RequireAllTaken();
     Notices notices;
     const std::string bytes = [&] {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       return plotting.Do(notices);
     }();
     return py::make_tuple(py::bytes(bytes), ListOf(notices));

@@ -2,8 +2,10 @@
 #include <cmath>
 
 #include "cli/choices.h"
+#include "python/src/arrays.h"
 #include "python/src/module.h"
 #include "python/src/selections.h"
+#include "python/src/unlocked.h"
 #include "python/src/verb.h"
 #include "slamdb/align/shrink_for_locating.h"
 #include "slamdb/edit/part/cull.h"
@@ -26,6 +28,7 @@ constexpr double kMegabyte = 1e6;  // bytes
 SelectOptions SelectionOf(Arguments& given) {
   SelectOptions select;
   TakePart(given, select);
+  if (given.Has("polygon")) RequireNumpy();
   given.TakeIds("keyframe", select.keyframes);
   given.Take("polygon", select.polygon);
   given.TakeWord("plane", cli::kPlanes, select.plane);
@@ -141,7 +144,7 @@ void DefineSplit(py::module_& module) {
     given.RequireAllTaken();
     Notices notices;
     Parts parts = [&] {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       const auto atlas = Hold(source, read, notices);
       return TakeParts(*atlas, options, border, source.path, read.threads, read.progress);
     }();

@@ -2,8 +2,8 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
+#include "python/src/row_class.h"
 
 namespace slamdb::python {
 
@@ -33,7 +33,7 @@ py::tuple Observations(const PointsInMap& points) {
 }
 
 void DefineColumns(py::class_<PointsInMap>& points) {
-  points.def_property_readonly("ids", Members<std::uint64_t>(&MapPoint::id), "(N,) uint64: MapPoint::mnId")
+  points.def_property_readonly("ids", FixedMembers<std::uint64_t>(&MapPoint::id), "(N,) uint64: MapPoint::mnId")
       .def_property_readonly("positions", Members<float>(&MapPoint::position, 3),
                              "(N, 3) float32, writable: in the world frame of the map, metres or its units")
       .def_property_readonly("normals", Members<float>(&MapPoint::normal, 3),
@@ -43,11 +43,11 @@ void DefineColumns(py::class_<PointsInMap>& points) {
       .def_property_readonly("min_distances", Members<float>(&MapPoint::min_distance),
                              "(N,) float32, writable: scale-invariance range")
       .def_property_readonly("max_distances", Members<float>(&MapPoint::max_distance), "(N,) float32, writable")
-      .def_property_readonly("first_keyframes", Members<std::int64_t>(&MapPoint::first_keyframe),
+      .def_property_readonly("first_keyframes", FixedMembers<std::int64_t>(&MapPoint::first_keyframe),
                              "(N,) int64: ids of the keyframes that made them; -1: a frame did")
-      .def_property_readonly("reference_keyframes", Members<std::uint64_t>(&MapPoint::reference),
+      .def_property_readonly("reference_keyframes", FixedMembers<std::uint64_t>(&MapPoint::reference),
                              "(N,) uint64: ids of keyframes; NONE where there is none")
-      .def_property_readonly("replaced_by", Members<std::uint64_t>(&MapPoint::replaced_by),
+      .def_property_readonly("replaced_by", FixedMembers<std::uint64_t>(&MapPoint::replaced_by),
                              "(N,) uint64: ids of the points they were fused into; NONE as a rule")
       .def_property_readonly(
           "bad",
@@ -64,7 +64,8 @@ void DefineColumns(py::class_<PointsInMap>& points) {
           "(N,) int64, computed: how many keyframes see each")
       .def_property_readonly("observations", &Observations,
                              "computed: who sees the points, compressed by rows: those of row r are the entries from "
-                             "offsets[r] to offsets[r + 1] of keyframes (ids), left and right (rows of keypoints)");
+                             "offsets[r] to offsets[r + 1] of keyframes (ids), left and right (rows of map_points and "
+                             "descriptors of their features; -1: not seen there)");
 }
 
 }  // namespace
@@ -73,16 +74,21 @@ void DefinePoints(py::module_& module) {
   py::class_<PointsInMap> points(module, "Points",
                                  "The map points of a map: columns as numpy arrays over its memory, rows as MapPoint.");
   DefineColumns(points);
-  points.def("__len__", [](const PointsInMap& p) { return p.list()->size(); })
-      .def("__getitem__", [](const PointsInMap& p, py::ssize_t index) { return RowOf(p.list(), index); });
-
-  py::class_<Point>(module, "MapPoint", "One map point.")
-      .def_property_readonly("id", [](const Point& p) { return p.entity->id.value(); })
+  py::class_<Point> point(module, "MapPoint", "One map point.");
+  DefineRowContainer<MapPoint>(module, points, "point", "PointIterator");
+  DefineIdentity(point);
+  point.def_property_readonly("id", [](const Point& p) { return p.entity->id.value(); })
       .def_property_readonly(
           "position", [](const Point& p) { return PositionView(p.kept, p.entity->position); },
           "(3,) float32, writable: world")
       .def_property_readonly(
           "normal", [](const Point& p) { return PositionView(p.kept, p.entity->normal); }, "(3,) float32, writable")
+      .def_property_readonly(
+          "descriptor",
+          [](const Point& p) {
+            return ViewOf(p.kept, TypeOf<std::uint8_t>(), {&p.entity->descriptor, {sizeof(Descriptor)}, {1}});
+          },
+          "(32,) uint8, writable: ORB descriptor")
       .def_property_readonly("bad", [](const Point& p) { return static_cast<bool>(p.entity->bad); })
       .def_property_readonly(
           "reference_keyframe", [](const Point& p) { return IdOrNone(p.entity->reference); }, "id, or None")
@@ -94,7 +100,7 @@ void DefinePoints(py::module_& module) {
               observations[py::int_(o.keyframe.value())] = py::make_tuple(o.left, o.right);
             return observations;
           },
-          "{keyframe id: (left, right)}: rows of its keypoints, -1 where it is not seen")
+          "{keyframe id: (left, right)}: rows of map_points and descriptors of its features, -1 where it is not seen")
       .def("__repr__", [](const Point& p) { return "<slamdb.MapPoint " + std::to_string(p.entity->id.value()) + ">"; });
 }
 

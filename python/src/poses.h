@@ -17,7 +17,7 @@ inline Eigen::Matrix<double, 4, 4, Eigen::RowMajor> MatrixByRows(const Rigid3f& 
 }
 
 inline pybind11::array MatrixOf(const Rigid3f& transform) {
-  pybind11::array_t<double> array({4, 4});
+  auto array = NewArray<double>({4, 4});
   std::copy_n(MatrixByRows(transform).data(), 16, array.mutable_data());
   return ReadOnly(std::move(array));
 }

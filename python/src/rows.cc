@@ -163,8 +163,9 @@ void DefineFeatureColumns(py::class_<FeaturesOfKeyFrame> features) {
                 if (const std::uint32_t row = vector.features[at++]; row < nodes.size()) nodes[row] = vector.nodes[n];
             return ArrayOf(nodes);
           },
-          "(N,) uint32, computed: the vocabulary node above the word of each keypoint (DBoW2's feature vector); "
-          "2^32 - 1: none");
+          "(N + M,) uint32, computed: the vocabulary node above the word of each keypoint, the right ones behind the "
+          "left "
+          "ones (DBoW2's feature vector); 2^32 - 1: none");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "python/src/arguments.h"
+#include "python/src/arrays.h"
 #include "slamdb/base/error.h"
 
 // Arguments that tell a part of an atlas: map=, keyframes=, time=, box=.
@@ -25,6 +26,7 @@ void TakeRange(Arguments& given, const char* name, Number& first, Number& last) 
 // Two corners, in either order.
 inline void TakeBox(Arguments& given, const char* name, std::optional<Eigen::AlignedBox3f>& into) {
   if (!given.Has(name)) return;
+  RequireNumpy();
   const auto [one, other] = given.Get<std::pair<Eigen::Vector3f, Eigen::Vector3f>>(name);
   if (one.hasNaN() || other.hasNaN()) throw Error(ErrorKind::kUsage, std::string(name) + "= has a corner that is NaN");
   into = Eigen::AlignedBox3f(one).extend(other);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "python/src/files.h"
 #include "python/src/module.h"
 #include "python/src/selections.h"
+#include "python/src/unlocked.h"
 #include "python/src/verb.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
@@ -45,12 +47,6 @@ struct StoreFile {
   }
 };
 
-template <class Work>
-auto Unlocked(const Work& work) {
-  const py::gil_scoped_release unlocked;
-  return work();
-}
-
 py::dict RowsOf(const TableChanges& rows) {
   py::dict dict;
   dict["inserted"] = rows.inserted;
@@ -70,7 +66,7 @@ py::dict SaveTo(const StoreFile& file, const std::string& name, const HeldAtlas&
                             .threads = threads,
                             .progress = progress};
   const auto value = atlas.value();
-  const SaveReport report = Unlocked([&] { return file.Writer(progress).Save(name, *value, options); });
+  const SaveReport report = WithoutGil([&] { return file.Writer(progress).Save(name, *value, options); });
   py::dict told;
   told["replaced"] = report.replaced;
   told["unchanged"] = report.unchanged;
@@ -85,7 +81,7 @@ std::shared_ptr<HeldAtlas> LoadFrom(const StoreFile& file, const std::string& na
   TakePart(given, options.selection);
   given.TakeRun(options);
   given.RequireAllTaken();
-  return Unlocked([&] {
+  return WithoutGil([&] {
     Atlas atlas = file.Reader().Load(name, options);
     RefuseEmptySelection(atlas, name, HoldInput(Location(file.path, name)), options);
     return std::make_shared<HeldAtlas>(std::move(atlas));
@@ -108,7 +104,7 @@ py::tuple AddTo(const StoreFile& file, const std::vector<std::string>& paths, bo
                            .provenance = "add ",
                            .threads = threads,
                            .progress = progress};
-  const AddReport report = Unlocked([&] {
+  const AddReport report = WithoutGil([&] {
     const AtlasInputs inputs =
         FindAtlases(paths, {.recursive = recursive, .lock_timeout = file.wait, .progress = progress});
     return AddToStore(file.path, inputs, options);
@@ -121,7 +117,7 @@ py::tuple AddTo(const StoreFile& file, const std::vector<std::string>& paths, bo
 }
 
 py::dict MigrateFile(const StoreFile& file, bool back, bool dry_run, bool backup) {
-  const MigrateReport report = Unlocked([&] {
+  const MigrateReport report = WithoutGil([&] {
     return MigrateStore(file.path, {.back = back, .dry_run = dry_run, .backup = backup, .lock_timeout = file.wait});
   });
   py::dict told;
@@ -134,7 +130,7 @@ py::dict MigrateFile(const StoreFile& file, bool back, bool dry_run, bool backup
 
 py::list NamesIn(const StoreFile& file) {
   py::list names;
-  for (const std::string& name : Unlocked([&] { return file.Reader().Names(); })) names.append(TextOf(name));
+  for (const std::string& name : WithoutGil([&] { return file.Reader().Names(); })) names.append(TextOf(name));
   return names;
 }
 
@@ -143,11 +139,11 @@ void DefineLooking(py::class_<StoreFile>& store) {
       .def("load", &LoadFrom)
       .def("log",
            [](const StoreFile& file, const std::string& name) {
-             const auto entries = Unlocked([&] { return file.Reader().Log(name); });
+             const auto entries = WithoutGil([&] { return file.Reader().Log(name); });
              return Report(ToJson(entries, Location(file.path, name).ToString()));
            })
       .def("stats", [](const StoreFile& file) {
-        return Report(Unlocked([&] { return ToJson(file.Reader().Stats(), file.path); }));
+        return Report(WithoutGil([&] { return ToJson(file.Reader().Stats(), file.path); }));
       });
 }
 
@@ -158,15 +154,15 @@ void DefineKeeping(py::class_<StoreFile>& store) {
       .def("remove",
            [](const StoreFile& file, const std::string& name, const py::object& listener) {
              const Progress progress = ProgressTo(listener);
-             Unlocked([&] { file.WriterOfPresent(progress).Remove(name); });
+             WithoutGil([&] { file.WriterOfPresent(progress).Remove(name); });
            })
       .def("vacuum",
            [](const StoreFile& file, const py::object& listener) {
              const Progress progress = ProgressTo(listener);
-             Unlocked([&] { file.WriterOfPresent(progress).Vacuum(); });
+             WithoutGil([&] { file.WriterOfPresent(progress).Vacuum(); });
            })
       .def("backup", [](const StoreFile& file, const std::string& target, bool overwrite) {
-        Unlocked([&] { file.Reader().Backup(target, overwrite); });
+        WithoutGil([&] { file.Reader().Backup(target, overwrite); });
       });
 }
 

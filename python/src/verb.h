@@ -9,6 +9,7 @@
 #include "python/src/arguments.h"
 #include "python/src/errors.h"
 #include "python/src/files.h"
+#include "python/src/unlocked.h"
 #include "slamdb/base/notices.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/formats/formats.h"
@@ -52,7 +53,7 @@ void DefineReport(pybind11::module_& module, const char* name, const Prepare& pr
     given.RequireAllTaken();
     Notices notices;
     const std::string report = [&] {
-      const pybind11::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       return work(notices);
     }();
     return pybind11::make_tuple(Report(report), ListOf(notices));
@@ -70,7 +71,7 @@ void DefineMaker(pybind11::module_& module, const char* name, const Prepare& pre
     Notices notices;
     Atlas made;
     const std::string report = [&] {
-      const pybind11::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       return work(made, notices);
     }();
     return pybind11::make_tuple(std::make_shared<HeldAtlas>(std::move(made)), Report(report), ListOf(notices));

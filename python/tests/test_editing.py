@@ -178,6 +178,33 @@ def test_building_is_an_edit_that_is_taken_back(atlas):
     assert slamdb.encode(empty) == before and len(arrays.maps) == 1
 
 
+@pytest.mark.parametrize("end", ["commit", "drop"])
+def test_what_is_kept_of_an_edit_is_over_with_it(atlas, end):
+    edit = atlas.edit()
+    kept, kept_atlas = edit.maps[0], edit.atlas
+    move(kept)
+    during = slamdb.encode(kept_atlas)
+    getattr(edit, end)()
+    after = slamdb.encode(atlas)
+    ids = kept.keyframes.ids
+    for change in (
+        lambda: kept.remove_points([1]), lambda: kept.remove_keyframes([ids[3]]), kept.update_points,
+        kept.update_covisibility, lambda: kept.set_parents([ids[3]], [ids[0]]), lambda: add(kept),
+        lambda: kept.add_loop_edges([(ids[0], ids[5])]), lambda: slamdb.cull(kept_atlas, min_observations=5),
+        lambda: slamdb.repair(kept_atlas), kept_atlas.add_map, kept_atlas.edit,
+    ):  # fmt: skip
+        with pytest.raises(slamdb.UsageError, match="the edit is over"):
+            change()
+    assert slamdb.encode(kept_atlas) == during and slamdb.encode(atlas) == after
+    assert slamdb.check(kept_atlas).sound and kept_atlas.copy().add_map()
+
+
+def test_an_edit_that_nobody_has_is_over(atlas):
+    map = atlas.edit().maps[0]
+    with pytest.raises(slamdb.UsageError, match="the edit is over"):
+        map.update_points()
+
+
 # ---- Removing
 
 
@@ -216,10 +243,23 @@ def test_what_is_removed_must_be_there(atlas):
         (lambda: map.remove_points(np.zeros(7, bool)), "mask of another shape"),
         (lambda: map.remove_points(["a"]), "which: "),
         (lambda: map.remove_keyframes([0], border="open"), "border"),
+        (lambda: map.remove_points(np.zeros(len(map.points), np.uint8)), "is that a mask"),
+        (lambda: map.remove_keyframes([0, 1] * (len(map.keyframes) // 2)), "is that a mask"),
+        (lambda: map.update_points(np.ones(len(map.points), int)), "is that a mask"),
+        (lambda: map.remove_points(np.ma.masked_less(map.points.ids, 9)), "masked array"),
+        (lambda: map.remove_points(np.ma.masked_array(map.points.bad, map.points.bad)), "masked array"),
     ):
         with pytest.raises(ValueError, match=message):
             call()
     assert slamdb.encode(atlas) == before
+
+
+def test_removing_all_warns(atlas):
+    for name, noun in (("points", "point"), ("keyframes", "keyframe")):
+        map = atlas.copy().maps[0]
+        with pytest.warns(slamdb.SlamdbWarning, match=f"map 0 has no {noun} left") as told:
+            getattr(map, f"remove_{name}")(getattr(map, name).ids)
+        assert told[0].filename == __file__
 
 
 # ---- Links

@@ -144,7 +144,7 @@ def test_two_threads_do_not_change_one_atlas(atlas):
         try:
             atlas.maps[0].remove_points(part)
             return len(part)
-        except RuntimeError as refused:
+        except slamdb.NotPossibleError as refused:
             assert "another thread is changing" in str(refused)
             return 0
 
