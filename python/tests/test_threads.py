@@ -33,8 +33,9 @@ print("done")
     "work",
     [
         "map.points.positions", "map.keyframes.poses", "map.keyframes.connections", "map.keyframes[0].pose",
-        "map.keyframes[0].features.keypoints", "map.points[0].position", "map.points.rows_of([map.points[0].id])", "map.loop_edges",
-        "slamdb.read(sys.argv[1], box=((0, 0, 0), (1, 1, 1)))", "atlas.copy().maps[0].remove_points([map.points[0].id])",
+        "map.keyframes[0].features.keypoints", "map.points[0].position", "map.loop_edges",
+        "map.points.rows_of([map.points[0].id])", "atlas.copy().maps[0].remove_points([map.points[0].id])",
+        "slamdb.read(sys.argv[1], box=((0, 0, 0), (1, 1, 1)))",
         "slamdb.extract(atlas.copy(), polygon=[(-9, -9), (9, -9), (9, 9)])", "map.points[[True] * len(map.points)]",
         "slamdb.Atlas().add_camera('pinhole', 1, 1, 1, 1)", "slamdb.Query().near = ((0, 0, 0), 1.0)",
     ],
