@@ -372,7 +372,7 @@ class StoreFile:
     def save(
         self, name: bytes, atlas: Atlas, overwrite: bool, keep_equal: bool, provenance: str, threads: int,
         progress: Progress,
-    ) -> Dict[str, Any]: ...
+    ) -> Tuple[Dict[str, Any], Notices]: ...
     def add(
         self, paths: List[bytes], recursive: bool, name: bytes, name_from: str, overwrite: bool, dry_run: bool,
         format: str, layout: str, threads: int, progress: Progress,

@@ -55,7 +55,7 @@ def read(
     threads: 0: every core
     progress: called as progress(stage, fraction) now and then
 
-    A part of an atlas is for looking at: references to what was left out stay.
+    A part of an atlas is for looking at: references to what was left out stay, and writing it is a LossWarning.
     Warns of what is unusual (SlamdbWarning). Raises Error: NotFoundError, DamagedError, UnsupportedError, ...
     """
     given = locals()

@@ -114,7 +114,8 @@ class Store:
         Raises AlreadyExistsError, LockedError, OutOfResourcesError (the disk is full), UsageError for names that
         cannot be.
         """
-        saved = self._writer.save(_bytes(name), atlas, overwrite, keep_equal, provenance, threads, progress)
+        saved, notices = self._writer.save(_bytes(name), atlas, overwrite, keep_equal, provenance, threads, progress)
+        told(notices)
         return Report(saved)
 
     def load(
@@ -131,7 +132,7 @@ class Store:
     ) -> Atlas:
         """Load an atlas, or a part of it as `slamdb.read` does. The rest is not read.
 
-        features: False leaves out keypoints and descriptors, most of the bytes
+        features: False leaves out keypoints, descriptors, what keypoints see, and words: most of the bytes
 
         Every row is held against its hash: raises DamagedError, naming the first that differs; NotFoundError, naming
         the atlases that there are.

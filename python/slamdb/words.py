@@ -13,6 +13,7 @@ from ._slamdb import command_words
 
 _INNER = "from-points|to-points|show|verify|set|recompute|list|infer|from-source"
 _VERB = re.compile(rf"`slamdb ([a-z-]+)(?: ({_INNER})\b)?(?: --([a-z-]+))?(`?)")
+_VALUED = re.compile(r"--([a-z][a-z-]*) (all|full|keep-first|sim3)\b")
 _OPTION = re.compile(r"(?<!\w)(?:-[A-Za-z]/)?--([a-z][a-z-]*)|^-(r)\b")
 
 _ELSEWHERE = {"edit": "edit_tables", "list": "list_atlases"}
@@ -38,7 +39,8 @@ def _function(said: Match[str]) -> str:
 
 def spelled(words: str) -> str:
     """A sentence in the words of the command as Python says it."""
-    return _OPTION.sub(lambda said: _keyword(said[1] or said[2]), _VERB.sub(_function, words))
+    words = _VALUED.sub(lambda said: f'{_keyword(said[1])}"{said[2]}"', _VERB.sub(_function, words))
+    return _OPTION.sub(lambda said: _keyword(said[1] or said[2]), words)
 
 
 _WORDS = [(library, spelled(command)) for library, command in command_words()]

@@ -93,6 +93,12 @@ void SetImageSize(const py::object& image_size, NewKeyFrames& given) {
   if (given.width <= 0 || given.height <= 0) RefuseGiven("image_size", "is width and height, pixels above 0");
 }
 
+// A SlamdbWarning where Python called.
+void Warn(const char* text) {
+  const py::object kind = py::module_::import("slamdb.errors").attr("SlamdbWarning");
+  if (PyErr_WarnEx(kind.ptr(), text, 1) != 0) throw py::error_already_set();
+}
+
 py::array AddKeyFramesTo(const MapInAtlas& map, const py::object& timestamps, const py::object& poses,
                          const py::object& camera_from_world, const py::object& features, const py::object& camera,
                          const py::object& ids, const py::object& image_size, const py::object& distortion,
@@ -114,10 +120,15 @@ py::array AddKeyFramesTo(const MapInAtlas& map, const py::object& timestamps, co
   if (!image_size.is_none()) SetImageSize(image_size, given);
   for (const py::handle item : GivenItems(features, "features"))
     given.features.push_back(GivenFeatures(item, "features: row " + std::to_string(given.features.size())));
-  return IdArray(map.atlas->ApplyWhole([&](Atlas& atlas) {
+  const bool all_described = std::ranges::all_of(
+      given.features, [](const Features& each) { return each.keypoints.empty() || !each.descriptors.empty(); });
+  const py::array added = IdArray(map.atlas->ApplyWhole([&](Atlas& atlas) {
     map.In(atlas);
     return AddKeyFrames(atlas, map.id, std::move(given));
   }));
+  if (!all_described)
+    Warn("keyframes have no descriptors: ORB-SLAM3 cannot use them, and `slamdb.check` finds their points without");
+  return added;
 }
 
 // (M, 3) rows of point, keyframe id, keypoint; or Observations, compressed by rows.

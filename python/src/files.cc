@@ -53,6 +53,22 @@ ReadOptions ReadingOf(Arguments& given) {
   return read;
 }
 
+void LoseRest(const HeldAtlas& atlas, const Format& format, bool strict, Notices& notices) {
+  if (!atlas.is_part() || !HasAny(format.writes, Content::kObservations)) return;
+  const std::string loss =
+      "only a part of the atlas was read: what refers to the rest leads nowhere; `Extract` makes a "
+      "whole of a part";
+  if (strict) throw Error(ErrorKind::kNotPossible, loss + "; WriteOptions::strict refuses that");
+  notices.Lose(loss);
+}
+
+std::shared_ptr<HeldAtlas> MarkedAtlas(Atlas atlas, Selection selection) {
+  auto held = std::make_shared<HeldAtlas>(std::move(atlas));
+  selection.map.reset();  // whole maps refer to nothing else
+  if (!selection.everything()) held->MarkAsPart();
+  return held;
+}
+
 std::shared_ptr<const Atlas> Hold(const AtlasOrPath& source, const ReadOptions& read, Notices& notices) {
   if (source.atlas) return source.atlas;
   return std::make_shared<const Atlas>(ReadAtlas(Location(source.path), read, &notices));
@@ -89,13 +105,13 @@ auto Read(const py::object& source, const py::dict& values) {
   given.RequireAllTaken();
   if (py::isinstance<py::bytes>(source))
     return Told([&, held = std::string_view(py::reinterpret_borrow<py::bytes>(source))](Notices& notices) {
-      return std::make_shared<HeldAtlas>(DecodeAtlas(held, options, &notices));
+      return MarkedAtlas(DecodeAtlas(held, options, &notices), options.selection);
     });
   return Told([&, path = TextOfPath(source)](Notices& notices) {
     const HeldSource held = HoldInput(Location(path), options);
     Atlas atlas = ReadAtlas(held, options, &notices);
     RefuseEmptySelection(atlas, path, held, options);
-    return std::make_shared<HeldAtlas>(std::move(atlas));
+    return MarkedAtlas(std::move(atlas), options.selection);
   });
 }
 
@@ -104,8 +120,10 @@ py::list Write(const HeldAtlas& atlas, const py::object& path, const py::dict& v
   const WriteOptions options = WritingOf(given);
   given.RequireAllTaken();
   const Location to(TextOfPath(path));
-  if (to.name.empty() && FormatOfOutput(to, options.format).is_export) RefuseAtlas(to.path);
+  const Format& format = FormatOfOutput(to, options.format);
+  if (to.name.empty() && format.is_export) RefuseAtlas(to.path);
   return Told([&, value = atlas.value()](Notices& notices) {
+           LoseRest(atlas, format, options.strict, notices);
            WriteAtlas(*value, to, options, &notices);
            return true;
          })
@@ -116,8 +134,10 @@ py::tuple Encode(const HeldAtlas& atlas, const py::dict& values) {
   Arguments given(values);
   const WriteOptions options = WritingOf(given);
   given.RequireAllTaken();
-  const auto [bytes, notices] =
-      Told([&, value = atlas.value()](Notices& told) { return EncodeAtlas(*value, options, &told); });
+  const auto [bytes, notices] = Told([&, value = atlas.value()](Notices& told) {
+    LoseRest(atlas, FormatById(options.format), options.strict, told);
+    return EncodeAtlas(*value, options, &told);
+  });
   return py::make_tuple(py::bytes(bytes), notices);
 }
 

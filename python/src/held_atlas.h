@@ -93,6 +93,10 @@ class HeldAtlas {
       throw Error(ErrorKind::kUsage, "the edit is over: change the atlas itself, or begin another edit of it");
   }
 
+  // It was read in part, and nothing has been made of the part since: references lead out of it.
+  void MarkAsPart() { part_ = value_.get(); }
+  bool is_part() const { return part_ == value_.get(); }
+
   // Of the edits that were put in place and not taken back, the last one last.
   const std::vector<std::shared_ptr<const Journal>>& history() const { return history_; }
   void ForgetLast() { history_.pop_back(); }
@@ -106,6 +110,7 @@ class HeldAtlas {
 
   std::vector<std::shared_ptr<const Journal>> history_;
   std::shared_ptr<Atlas> value_;
+  const void* part_ = nullptr;
   bool changing_ = false;
   bool is_over_ = false;
 };

@@ -73,7 +73,18 @@ Column<Descriptor> DescriptorsIn(py::handle object, const std::string& name) {
 
 Column<Descriptor> GivenDescriptors(py::handle object, const std::string& name) { return DescriptorsIn(object, name); }
 
+// A mapping of other names than those would lose what it has under them.
+void RefuseOtherNames(py::handle object, const std::string& name) {
+  if (!py::isinstance<py::dict>(object)) return;
+  const py::object fields = py::module_::import("slamdb.features").attr("FeatureArrays").attr("_fields");
+  for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(object))
+    if (!fields.contains(key))
+      RefuseGiven(name, "has " + std::string(py::repr(key)) + ", and may have " +
+                            std::string(py::str(py::str(", ").attr("join")(fields))));
+}
+
 Features GivenFeatures(py::handle object, const std::string& name) {
+  RefuseOtherNames(object, name);
   if (object.is_none() || PartOf(object, "keypoints").is_none())
     RefuseGiven(name, "has no keypoints; features are a list of slamdb.FeatureArrays, one for each keyframe");
   const auto part = [&](const char* part_name) { return PartOf(object, part_name); };

@@ -56,8 +56,8 @@ py::dict RowsOf(const TableChanges& rows) {
   return dict;
 }
 
-py::dict SaveTo(const StoreFile& file, const std::string& name, const HeldAtlas& atlas, bool overwrite, bool keep_equal,
-                const std::string& provenance, int threads, const py::object& listener) {
+py::tuple SaveTo(const StoreFile& file, const std::string& name, const HeldAtlas& atlas, bool overwrite,
+                 bool keep_equal, const std::string& provenance, int threads, const py::object& listener) {
   const Progress progress = ProgressTo(listener);
   const SaveOptions options{.provenance = provenance,
                             .overwrite = overwrite,
@@ -65,13 +65,15 @@ py::dict SaveTo(const StoreFile& file, const std::string& name, const HeldAtlas&
                             .verify = true,
                             .threads = threads,
                             .progress = progress};
+  Notices notices;
+  LoseRest(atlas, FormatById("store"), /*strict=*/false, notices);
   const auto value = atlas.value();
   const SaveReport report = WithoutGil([&] { return file.Writer(progress).Save(name, *value, options); });
   py::dict told;
   told["replaced"] = report.replaced;
   told["unchanged"] = report.unchanged;
   told["rows"] = RowsOf(report.Total());
-  return told;
+  return py::make_tuple(told, ListOf(notices));
 }
 
 // map, keyframes, time, box, features, threads, progress.
@@ -84,7 +86,9 @@ std::shared_ptr<HeldAtlas> LoadFrom(const StoreFile& file, const std::string& na
   return WithoutGil([&] {
     Atlas atlas = file.Reader().Load(name, options);
     RefuseEmptySelection(atlas, name, HoldInput(Location(file.path, name)), options);
-    return std::make_shared<HeldAtlas>(std::move(atlas));
+    auto held = MarkedAtlas(std::move(atlas), options.selection);
+    if (options.features != FeatureColumns::kAll) held->MarkAsPart();
+    return held;
   });
 }
 

@@ -85,6 +85,8 @@ void DefineEdit(py::module_& module) {
     if (given.Has("points")) options.points = given.Path("points");
     if (given.Has("keyframes")) options.keyframes = given.Path("keyframes");
     given.Take("delete_missing", options.delete_missing);
+    if (!options.points && !options.keyframes)
+      throw Error(ErrorKind::kUsage, "no table to edit by: give points= or keyframes=");
     options.threads = given.threads();
     return [options, journal = given.Output("journal")](Atlas& atlas, Notices& notices) {
       const TableEditReport report = EditByTables(atlas, options);

@@ -5,7 +5,9 @@ import inspect
 import os
 import re
 import subprocess
+import warnings
 
+import numpy as np
 import pytest
 import slamdb
 
@@ -128,3 +130,38 @@ def test_names_stay_what_they_are(session, tmp_path):
         assert [atlas.name for atlas in store.list().atlases] == [name]
         assert store.check().sound
     assert slamdb.list_atlases(tmp_path / "SalvageAtlas.db").atlases[0].input.endswith(f"SalvageAtlas.db#{name}")
+
+
+def test_a_part_does_not_pass_for_the_whole(session, tmp_path):
+    part = slamdb.read(session, keyframes=(0, 5))
+    with slamdb.Store(tmp_path / "maps.db") as store:
+        store.save("lab", slamdb.read(session))
+        for name, lesser in (("lab", store.load("lab", features=False)), ("part", part)):
+            with pytest.warns(slamdb.LossWarning, match="part of the atlas"):
+                store.save(name, lesser, overwrite=True)
+    with pytest.warns(slamdb.LossWarning, match="part of the atlas"):
+        slamdb.write(part, tmp_path / "part.osa")
+    with pytest.raises(slamdb.NotPossibleError, match="part of the atlas"):
+        slamdb.write(part, tmp_path / "strict.osa", strict=True)
+    slamdb.extract(part)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        slamdb.write(part, tmp_path / "whole.osa")
+
+
+@pytest.mark.parametrize("misspelt", ["descriptor", "octave"])
+def test_names_of_feature_arrays_are_known(session, misspelt):
+    atlas = slamdb.read(session)
+    before = slamdb.encode(atlas)
+    features = {"keypoints": [(90.0, 68.0)], misspelt: [3]}
+    with pytest.raises(slamdb.UsageError, match=f"features: row 0.*{misspelt}.*may have keypoints"):
+        atlas.maps[0].add_keyframes(timestamps=[1.0], poses=[np.eye(4)], features=[features], camera=0)
+    assert slamdb.encode(atlas) == before
+
+
+def test_keyframes_without_descriptors_are_warned_of():
+    atlas = slamdb.Atlas()
+    camera = atlas.add_camera("pinhole", 400, 400, 320, 240)
+    keyframe = {"timestamps": [1.0], "poses": [np.eye(4)], "camera": camera}
+    with pytest.warns(slamdb.SlamdbWarning, match="no descriptors"):
+        atlas.add_map().add_keyframes(features=[{"keypoints": [(90.0, 68.0)]}], **keyframe)
