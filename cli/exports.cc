@@ -21,4 +21,10 @@ void RequirePageName(const std::string& output) {
   if (const std::string why = WhyNoPage(output); !why.empty()) RefuseUsage(why);
 }
 
+PlotFormat PictureFormatOf(const std::string& output) try {
+  return output == "-" ? PlotFormat::kSvg : PlotFormatOf(output);
+} catch (const Error& error) {
+  RefuseUsage(error.problem());
+}
+
 }  // namespace slamdb::cli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "slamdb/formats/results.h"
+#include "slamdb/plot/plot.h"
 
 // Outputs that are no atlases.
 namespace slamdb::cli {
@@ -13,5 +14,8 @@ void GuardDefaultName(const std::string& output);
 
 // Ends with exit code 2 where browsers would not take it for a page.
 void RequirePageName(const std::string& output);
+
+// What a picture of that name is; - is SVG. Ends with exit code 2 where the name does not say it.
+PlotFormat PictureFormatOf(const std::string& output);
 
 }  // namespace slamdb::cli

@@ -8,6 +8,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/exports.h"
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/align_text.h"
@@ -49,20 +50,18 @@ MapsToAlign ReadMaps(const AlignVerbOptions& options, Console& console, Notices&
   return given;
 }
 
-PlotFormat PictureOf(const std::string& plot) { return plot == "-" ? PlotFormat::kSvg : PlotFormatOf(plot); }
-
 void DrawLink(const AlignedMaps& aligned, const MapsToAlign& given, const AlignVerbOptions& options, AtomicFile& file) {
   const MapLink& link = aligned.links.front();
   const Plot plot =
       DrawAlignment(given.maps[link.first], given.maps[link.second], link.alignment,
-                    {.format = PictureOf(options.plot),
+                    {.format = PictureFormatOf(options.plot),
                      .title = NameText(given.names[link.second]) + " in " + NameText(given.names[link.first])});
   file.Write(plot.bytes);
   file.Commit();
 }
 
 ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
-  if (!options.plot.empty()) (void)PictureOf(options.plot);
+  if (!options.plot.empty()) (void)PictureFormatOf(options.plot);
   std::optional<AtomicFile> file;
   std::optional<AtomicFile> picture;
   if (!options.plot.empty()) picture.emplace(options.plot, AtomicFileOptions{.overwrite = options.overwrite});

@@ -41,7 +41,7 @@ std::string OutputOf(const PlotVerbOptions& options) {
 }
 
 PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
-  if (options.format.empty()) return output == "-" ? PlotFormat::kSvg : PlotFormatOf(output);
+  if (options.format.empty()) return PictureFormatOf(output);
   return kPlotFormats.at(options.format);
 }
 
