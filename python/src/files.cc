@@ -110,7 +110,7 @@ auto Read(const py::object& source, const py::dict& values) {
   return Told([&, path = TextOfPath(source)](Notices& notices) {
     const HeldSource held = HoldInput(Location(path), options);
     Atlas atlas = ReadAtlas(held, options, &notices);
-    RefuseEmptySelection(atlas, path, held, options);
+    if (!options.selection.everything()) RefuseEmptySelection(atlas, path, held, options);
     return MarkedAtlas(std::move(atlas), options.selection);
   });
 }

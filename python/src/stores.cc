@@ -85,7 +85,8 @@ std::shared_ptr<HeldAtlas> LoadFrom(const StoreFile& file, const std::string& na
   given.RequireAllTaken();
   return WithoutGil([&] {
     Atlas atlas = file.Reader().Load(name, options);
-    RefuseEmptySelection(atlas, name, HoldInput(Location(file.path, name)), options);
+    if (!options.selection.everything())
+      RefuseEmptySelection(atlas, name, HoldInput(Location(file.path, name)), options);
     auto held = MarkedAtlas(std::move(atlas), options.selection);
     if (options.features != FeatureColumns::kAll) held->MarkAsPart();
     return held;
