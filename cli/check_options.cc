@@ -7,6 +7,7 @@
 
 #include "cli/help/usage.h"
 #include "cli/options.h"
+#include "cli/values.h"
 
 namespace slamdb::cli {
 namespace {
@@ -45,7 +46,7 @@ void AddGates(CLI::App& verb, std::vector<double>& limits) {
             "--" + std::string(gates[i].id), limits[i],
             std::string(gates[i].is_minimum ? "At least" : "At most") + " so many " + std::string(gates[i].title))
         ->type_name("NUMBER")
-        ->check(CheckNonNegative)
+        ->check(Within(kNonNegative))
         ->group("Quality gates, whose breach is an error");
 }
 

@@ -14,101 +14,9 @@
 #include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/names.h"
 
 namespace slamdb::cli {
-
-namespace {
-
-// What of it a file of the format can hold.
-Substance HeldBy(const Format& format, Substance substance) {
-  substance.keyframes &= HasAny(format.writes, Content::kPoses);
-  substance.points &= HasAny(format.writes, Content::kPoints | Content::kObservations);
-  substance.landmarks &= HasAny(format.writes, Content::kLandmarks);
-  return substance;
-}
-
-bool HasSomething(const Substance& substance) { return substance.keyframes || substance.points || substance.landmarks; }
-
-// What of an atlas a file of the format is there for, and there is none of.
-std::string_view LacksFor(const Format& format, const Substance& substance) {
-  const Substance held = HeldBy(format, substance);
-  if (!format.is_export && HasAny(format.writes, Content::kPoses)) return held.Lacks();
-  if (HasAny(format.writes, Content::kPoses)) return held.keyframes ? "" : "keyframes";
-  if (HasAny(format.writes, Content::kPoints | Content::kObservations)) return held.points ? "" : "points";
-  return held.landmarks ? "" : "landmarks";
-}
-
-// Why a file of the format, which has places for other things, would hold nothing of the atlas.
-std::string HoldsNothing(const Format& format, const Substance& atlas) {
-  std::string problem = "would hold nothing of the atlas, which has no " +
-                        std::string(LacksFor(format, {.maps = true})) + "; nothing was written";
-  if (HasAny(format.writes, Content::kLandmarks) && atlas.points)
-    problem += "; `slamdb landmarks from-points` makes landmarks of its points";
-  if (HasAny(format.writes, Content::kPoints) && atlas.landmarks)
-    problem += "; `slamdb landmarks to-points` makes points of its landmarks";
-  return problem;
-}
-
-bool IsArchive(const Format& format) { return format.id.starts_with("orbslam3"); }
-
-// The name of an atlas that its location tells; empty when it tells none.
-std::string NameOfAtlas(const Location& input) {
-  std::error_code missing;
-  if (!input.name.empty() || !std::filesystem::is_regular_file(input.path, missing)) return input.name;
-  const Format* format = FindFormatOfInput(input);
-  if (format == nullptr || !format->named) return StemOf(input.path);
-  const std::vector<std::string> names = Store::Open(input.path).Names();
-  return names.size() == 1 ? names.front() : std::string();
-}
-
-}  // namespace
-
-void Inputs::Add(const Atlas& atlas, const Format* format) {
-  all |= SubstanceOf(atlas, /*with_bad=*/true);
-  good |= SubstanceOf(atlas);
-  archives_alone &= format != nullptr && IsArchive(*format);
-}
-
-void LoseUseToOrbslam3(const Atlas& atlas, const Inputs& inputs, const Format& output, const TargetOptions& target,
-                       Notices& notices) {
-  if (!IsArchive(output) || inputs.archives_alone || !atlas.layout.empty() || !target.layout.empty()) return;
-  const std::string why = WhyNoUseToOrbslam3(atlas);
-  if (!why.empty()) notices.Lose(why);
-}
-
-void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::string& output, const Format& format,
-                       bool dry_run, Notices& notices) {
-  const Substance good = SubstanceOf(result);
-  const std::string_view lacks = LacksFor(format, good);
-  if (lacks.empty()) return;
-  const Substance all = format.is_export ? good : SubstanceOf(result, /*with_bad=*/true);
-  const bool lost = (LacksFor(format, inputs.good).empty()) ||
-                    (LacksFor(format, inputs.all).empty() && !LacksFor(format, all).empty());
-  const std::string what(lacks);
-  if (!lost && !dry_run && HasSomething(good) && !HasSomething(HeldBy(format, good)))
-    throw Error(ErrorKind::kNotPossible, output, "", HoldsNothing(format, good));
-  if (!lost)
-    notices.Warn("the output holds no " + what + ", and neither does the input as it was read");
-  else if (dry_run)
-    notices.Warn("the output would hold no " + what + ", though the input has some");
-  else
-    throw Error(ErrorKind::kNotPossible, output, "",
-                "would hold no " + what + ", though the input has some; nothing was written");
-}
-
-std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to) {
-  const Location target(output);
-  if (output.empty() || output == "-" || !target.name.empty()) return output;
-  try {
-    if (!FormatOfOutput(target, to).named) return output;
-    const std::string name = NameOfAtlas(input);
-    return IsNameOfAtlas(name) ? output + "#" + name : output;
-  } catch (const Error&) {
-    return output;  // what is wrong with it is said where it is read and written
-  }
-}
 
 void RequireOutput(const EditOptions& options) {
   if (options.output.empty() && !options.dry_run)
@@ -182,15 +90,6 @@ Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices, 
   return atlas;
 }
 
-std::vector<std::string> ErrorsOf(const std::vector<Unrepaired>& left) {
-  std::vector<std::string> errors;
-  for (const Unrepaired& rule : left)
-    if (rule.severity == Severity::kError)
-      errors.push_back(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
-                       rule.reason);
-  return errors;
-}
-
 void AddVocabulary(CLI::App& verb, std::string& path) {
   verb.add_option("--vocabulary", path,
                   "The vocabulary file that the atlas was made with: words that cannot be of it are computed anew")
@@ -218,7 +117,7 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
   const Format& format = elsewhere ? FormatById("orbslam3") : FormatOfOutput(options.output, options.target.to);
   RefuseEmptyResult(atlas, *options.inputs, options.output, format, options.dry_run, notices);
   if (options.dry_run) return;
-  LoseUseToOrbslam3(atlas, *options.inputs, format, options.target, notices);
+  LoseUseToOrbslam3(atlas, *options.inputs, format, !options.target.layout.empty(), notices);
   WriteOptions write = MakeWriteOptions(console, options.target, provenance, options.wait);
   write.format = FormatToWrite(atlas, options.output, options.target.to);
   if (beside != nullptr) write.before_commit = [beside] { beside->Commit(); };
@@ -233,7 +132,7 @@ ExitCode FinishWriting(const Location& output, const std::string& details, Conso
 
 void PrintReport(std::string_view report, bool json, bool piped, Console& console) {
   if (!json && console.quiet()) return;
-  const std::string words = InCommandWords(report);
+  const std::string words = json ? ReportInCommandWords(report) : InCommandWords(report);
   if (piped)
     std::cerr << (json ? words : detail::VisibleText(words));
   else if (json)

@@ -15,6 +15,7 @@
 #include "slamdb/base/report_files.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
+#include "slamdb/formats/results.h"
 #include "slamdb/model/content.h"
 
 // The frame of the verbs that change an atlas: read the input, call one function of the library, write the output, say
@@ -26,26 +27,6 @@ inline constexpr std::string_view kOutputLossy =
     "Done, but the output, of a format for atlases, does not hold all of the atlas; standard error names what it "
     "lacks.";
 
-// What the inputs of a verb have some of, all together: with what is flagged bad, and without; and whether all are
-// archives of ORB-SLAM3.
-struct Inputs {
-  Substance all, good;
-  bool archives_alone = true;
-  // `format`: of the file; null where nothing tells it.
-  void Add(const Atlas& atlas, const Format* format);
-};
-
-// What is no map of ORB-SLAM3, written as one, is a loss, of every verb. Its own files are given back as they are, and
-// a fork's descriptors are for the fork.
-void LoseUseToOrbslam3(const Atlas& atlas, const Inputs& inputs, const Format& output, const TargetOptions& target,
-                       Notices& notices);
-
-// The one guard against an empty result that passes for a success, for every verb that writes an atlas. Throws Error
-// when the output would hold nothing of what it is for (keyframes and points; of an export what that format is of)
-// though the inputs have some, or none of what the result has; warns when nothing was there, or nothing is written.
-void RefuseEmptyResult(const Atlas& result, const Inputs& inputs, const std::string& output, const Format& format,
-                       bool dry_run, Notices& notices);
-
 struct EditOptions {
   std::string input, output;
   InputFormat from;
@@ -53,8 +34,8 @@ struct EditOptions {
   Content needs = Content::kNothing;  // of the input: see ReadOptions::needs
   bool json = false, dry_run = false;
   double wait = kUsualWait;
-  std::shared_ptr<Inputs> inputs =
-      std::make_shared<Inputs>();  // that ReadInput has read, for WriteResult; copies share
+  std::shared_ptr<InputSubstance> inputs =
+      std::make_shared<InputSubstance>();  // that ReadInput has read, for WriteResult; copies share
 };
 
 // The positionals INPUT and OUTPUT (OUTPUT may be left out with --dry-run), --from, and AddEditTarget.
@@ -73,11 +54,6 @@ std::string FormatToWrite(const Atlas& atlas, const Location& output, const std:
 // Throws Error for what would fail at the end: no output, one that is there, whose format is unknown, or binary on a
 // terminal.
 void RefuseBadOutput(const EditOptions& options);
-
-// An output in a store without a name gets that of the input: its name in a store, else the stem of its file. So a
-// second atlas comes to lie beside the first. Standard input, what is no file, and a stem that is no name of an atlas
-// (IsNameOfAtlas) name nothing.
-std::string NamedOutput(const std::string& input, const std::string& output, const std::string& to);
 
 // What reports name as input and output; no output with --dry-run.
 ReportFiles FilesOf(const EditOptions& options);
@@ -103,9 +79,6 @@ enum class InputErrors { kTell, kAreRepaired };
 // RefuseBadOutput refuses.
 Atlas ReadInput(const EditOptions& options, Console& console, Notices& notices,
                 InputErrors errors = InputErrors::kTell);
-
-// Of what a repair has left, the errors: where, what, and why it stays.
-std::vector<std::string> ErrorsOf(const std::vector<Unrepaired>& left);
 
 // --vocabulary FILE, and the vocabulary, whole, when it is given.
 void AddVocabulary(CLI::App& verb, std::string& path);

@@ -3,13 +3,19 @@
 
 #include <string>
 
+#include "slamdb/formats/results.h"
+#include "slamdb/plot/plot.h"
+
 // Outputs that are no atlases.
 namespace slamdb::cli {
 
-// What is no atlas (a page, a picture, a report) never replaces one: throws Error when the file reads as an atlas.
-void RefuseAtlas(const std::string& output);
-
-// The same of an output that nobody named, which is no symbolic link either: that would lead to what nobody meant.
+// RefuseAtlas, of an output that nobody named, which is no symbolic link either: that would lead to what nobody meant.
 void GuardDefaultName(const std::string& output);
+
+// Ends with exit code 2 where browsers would not take it for a page.
+void RequirePageName(const std::string& output);
+
+// What a picture of that name is; - is SVG. Ends with exit code 2 where the name does not say it.
+PlotFormat PictureFormatOf(const std::string& output);
 
 }  // namespace slamdb::cli

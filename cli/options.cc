@@ -5,13 +5,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cli/boost_versions.h"
 #include "cli/exports.h"
+#include "cli/help/usage.h"
+#include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/layouts/layout.h"
+#include "slamdb/formats/layouts/layout_text.h"
+#include "slamdb/formats/orbslam3/boost_versions.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
 
@@ -78,7 +80,7 @@ void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
   verb.add_flag("-v,--verbose", options.verbose, "Tell time and memory at the end")->group(kCommonGroup);
   verb.add_option("--threads", options.threads, "Threads to work with; 0 means every core")
       ->type_name("N")
-      ->check(CLI::Range(0, 1024).description({}))
+      ->check(Within(kThreads))
       ->group(kCommonGroup);
   verb.add_flag(
           "--progress,!--no-progress", options.progress,
@@ -136,6 +138,14 @@ void RequireOutput(const std::string& output) {
   if (output.empty()) RefuseUsage("the output is missing; -o/--output names it");
 }
 
+// For ->transform(): the name becomes the version, or is refused with what there is.
+static std::string ToBoostVersion(std::string& text) {
+  const auto version = BoostVersionByName(text);
+  if (!version) return WhyNoBoostVersion(text) + MeantInstead(text, NamesOfSystems());
+  text = std::to_string(*version);
+  return {};
+}
+
 void AddTarget(CLI::App& verb, TargetOptions& options) {
   verb.add_option("--to", options.to, "Format of the output; by default told by its suffix")
       ->type_name("FORMAT")
@@ -171,23 +181,13 @@ void AddStore(CLI::App& verb, StoreVerbOptions& options) {
 void AddWait(CLI::App& verb, double& wait) {
   verb.add_option("--wait", wait, "How long to wait for another program that writes to the store; inf is for ever")
       ->type_name("SECONDS")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->capture_default_str();
 }
 
 void AddJson(CLI::App& verb, bool& json) { verb.add_flag("--json", json, "Print JSON, for programs"); }
 
 void RefuseUsage(const std::string& problem) { throw CLI::ValidationError(problem); }
-
-std::string CheckPositive(const std::string& text) {
-  const auto number = ParseNumber<double>(text);
-  return number && *number > 0 ? std::string() : "expected a number above 0, found '" + text + "'";
-}
-
-std::string CheckNonNegative(const std::string& text) {
-  const auto number = ParseNumber<double>(text);
-  return number && *number >= 0 ? std::string() : "expected 0 or a number above it, found '" + text + "'";
-}
 
 bool IsStandardOutput(const std::string& path) {
   if (path == "-") return true;
@@ -217,13 +217,6 @@ void RefuseBinaryOnTerminal(const Location& output, const Format& format, bool a
   if (!binary || !IsTerminal(output.path)) return;
   throw Error(ErrorKind::kUsage, std::string(format.title) +
                                      " is binary and would garble the terminal; name a file, or redirect the output");
-}
-
-std::string LayoutNamed(const std::string& id_or_path) {
-  if (id_or_path.empty()) return {};
-  const Layout layout = LoadLayout(id_or_path);
-  const Layout* known = FindKnownLayout(layout.id);
-  return known != nullptr && SameBytes(*known, layout) ? known->id : ToJson(layout);
 }
 
 ReadOptions MakeReadOptions(Console& console, const InputFormat& from, double wait) {

@@ -41,11 +41,6 @@ void AddFrom(CLI::App& verb, InputFormat& from);
 const Format* FormatOfInput(const HeldSource& input, const InputFormat& from);
 // --layout alone, for verbs that read trajectories too.
 void AddLayout(CLI::App& verb, std::string& layout);
-// What options of the library have of a layout that the user names by its id or its file; empty for none.
-//
-// Throws Error as LoadLayout does.
-std::string LayoutNamed(const std::string& id_or_path);
-
 // -o/--output FILE and -O/--overwrite, for verbs whose result is a text that goes to standard output by default.
 struct OutputOptions {
   std::string path = "-";
@@ -106,8 +101,6 @@ CLI::Validator OneOf(const std::map<std::string, Value>& words) {
 }
 
 // For ->check().
-std::string CheckPositive(const std::string& text);     // a number above 0
-std::string CheckNonNegative(const std::string& text);  // 0 or above
 
 // Whether what is written there goes where verbs print: `-`, or `/dev/stdout` that is a pipe or a file. On a terminal
 // the two do not mix up, and in /dev/null they do no harm.

@@ -6,15 +6,11 @@
 #include <string_view>
 
 #include "cli/help/tree.h"
+#include "slamdb/many/selected.h"
 #include "slamdb/model/map_query.h"
 
 // Ranges of times and of ids as they are typed: one grammar for every verb.
 namespace slamdb::cli {
-
-// When the keyframes were taken, in seconds.
-struct TimeSpan {
-  double begin = 0, end = 0;
-};
 
 // Seconds of the clock, or behind the first keyframe (`+10`), or from the last one (`-10`).
 struct Moment {

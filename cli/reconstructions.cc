@@ -1,37 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/reconstructions.h"
 
-#include <array>
-#include <cerrno>
-#include <filesystem>
-
+#include "cli/choices.h"
 #include "cli/options.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/options.h"
-#include "slamdb/pictures/picture_list.h"
+#include "slamdb/many/convert.h"
 
 namespace slamdb::cli {
-namespace {
-
-namespace fs = std::filesystem;
-
-bool IsColmap(const Format& format) { return format.id.starts_with("colmap"); }
-bool NamesPictures(const Format& format) { return IsColmap(format) || format.id == "nerf" || format.id == "3dgs"; }
-bool IsModel(const Format& format) { return IsColmap(format) && format.is_folder; }
-
-KeyFramePictures PicturesOf(const std::string& named) {
-  std::error_code missing;
-  if (!fs::exists(named, missing)) {
-    errno = ENOENT;
-    throw SystemError(named, "cannot open");
-  }
-  const std::array<std::string, 1> names = {named};
-  const fs::path folder = fs::is_directory(named, missing) ? fs::path(named) : fs::path(named).parent_path();
-  return {.files = FindPictures(names), .folder = folder.empty() ? "." : folder.string()};
-}
-
-}  // namespace
-
 void AddReconstructionOptions(CLI::App& verb, ReconstructionOptions& options) {
   constexpr const char* kGroup = "Reconstructions";
   verb.add_option("--images", options.images,
@@ -76,7 +52,7 @@ void SetReconstructionOptions(const ReconstructionOptions& options, ReadOptions&
 
 void SetReconstructionOptions(const ReconstructionOptions& options, WriteOptions& write) {
   ColmapWriteOptions& colmap = write.of<ColmapWriteOptions>();
-  if (!options.images.empty()) colmap.pictures = PicturesOf(options.images);
+  if (!options.images.empty()) colmap.pictures = FindKeyFramePictures(options.images);
   colmap.with_database = options.with_database;
   colmap.schema = options.schema == "new" ? ColmapSchema::kNew : ColmapSchema::kOld;
 }

@@ -13,9 +13,6 @@
 namespace slamdb::cli {
 namespace {
 
-using detail::SecondsText;
-
-using detail::Concat;
 using detail::ParseNumber;
 
 std::optional<Eigen::Vector3f> ParseVector(std::string_view text) {
@@ -51,13 +48,6 @@ void SelectTimes(const TimeRange& range, const std::optional<TimeSpan>& span, Se
   selection.end_time = times.end;
 }
 
-// The input once more, for its times alone.
-std::optional<TimeSpan> ReadSpan(const HeldSource& input, ReadOptions read, const std::optional<MapId>& map) {
-  read.selection = {};
-  read.features = FeatureColumns::kNone;
-  return SpanOf(ReadAtlas(input, read), map ? std::optional(map->value()) : std::nullopt);
-}
-
 }  // namespace
 
 void AddSelection(CLI::App& verb, SelectionOptions& options) {
@@ -69,18 +59,6 @@ void AddSelection(CLI::App& verb, SelectionOptions& options) {
       ->type_name("X,Y,Z:X,Y,Z")
       ->check(CheckBox)
       ->group(kGroup);
-}
-
-std::optional<TimeSpan> SpanOf(const Atlas& atlas, std::optional<std::uint64_t> id) {
-  TimeSpan span{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (const Map& map : atlas.maps) {
-    if (id && map.id != MapId(*id)) continue;
-    for (const KeyFrame& keyframe : map.keyframes) {
-      if (!std::isfinite(keyframe.timestamp)) continue;
-      span = {std::min(span.begin, keyframe.timestamp), std::max(span.end, keyframe.timestamp)};
-    }
-  }
-  return span.begin <= span.end ? std::optional(span) : std::nullopt;
 }
 
 bool NeedsSpan(const SelectionOptions& options) {
@@ -104,21 +82,6 @@ Selection ParseSelection(const SelectionOptions& options, const HeldSource& inpu
   if (!NeedsSpan(options)) return ParseSelection(options);
   const std::optional<MapId> map = options.map ? std::optional(MapId(*options.map)) : std::nullopt;
   return ParseSelection(options, ReadSpan(input, read, map));
-}
-
-std::string NoKeyframeIn(const Selection& selection, const std::optional<TimeSpan>& span) {
-  std::string text = "has no keyframe";
-  if (std::isfinite(selection.begin_time)) text += " from " + SecondsText(selection.begin_time) + " s";
-  if (std::isfinite(selection.end_time)) text += " to " + SecondsText(selection.end_time) + " s";
-  if (!span) return text + "; none has a time";
-  return detail::Concat(text, "; its keyframes are from ", SecondsText(span->begin), " to ", SecondsText(span->end),
-                        " s (", DatedDuration(span->begin, span->end), "); +0:+10 are the first ten seconds");
-}
-
-std::string MissText(const Selection& selection, const HeldSource& input, const ReadOptions& read) {
-  if (std::isfinite(selection.begin_time) || std::isfinite(selection.end_time))
-    return NoKeyframeIn(selection, ReadSpan(input, read, selection.map));
-  return "has no keyframe of these ids";
 }
 
 }  // namespace slamdb::cli

@@ -2,7 +2,8 @@
 #include "cli/times.h"
 
 #include "cli/options.h"
-#include "slamdb/formats/trajectories.h"
+#include "cli/words.h"
+#include "slamdb/many/estimates.h"
 
 namespace slamdb::cli {
 
@@ -20,10 +21,8 @@ void AddTimes(CLI::App& verb, TimesOptions& options, const std::string& whose, c
 }
 
 void RefuseIdleTimes(const Format* input, const TimesOptions& options) {
-  if (input == nullptr) return;
-  const std::string is = " only; the input is " + std::string(input->title);
-  if (!options.unit.empty() && !IsTrajectory(*input)) RefuseUsage("--time-unit is for trajectories" + is);
-  if (!options.file.empty() && input->id != "kitti") RefuseUsage("--times is for KITTI trajectories" + is);
+  const std::string why = WhyIdleTimes(input, options.ForReading());
+  if (!why.empty()) RefuseUsage(InCommandWords(why));
 }
 
 }  // namespace slamdb::cli

@@ -1,46 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/viewers.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
+#include "cli/choices.h"
 #include "cli/options.h"
 #include "cli/values.h"
-#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/export/options.h"
 #include "slamdb/formats/geographic/options.h"
-#include "slamdb/model/statistics.h"
+#include "slamdb/many/convert.h"
 
 namespace slamdb::cli {
 namespace {
 
-constexpr std::pair<const char*, PointColor> kColors[] = {{"map", PointColor::kMap},
-                                                          {"error", PointColor::kError},
-                                                          {"observations", PointColor::kObservations},
-                                                          {"height", PointColor::kHeight},
-                                                          {"age", PointColor::kAge}};
-
 PointColor ColorAsked(const ViewerOptions& options) {
-  for (const auto& [name, color] : kColors)
-    if (options.color == name) return color;
-  return PointColor::kMap;
-}
-
-// Nothing in the maps tells whether the frame is one on earth.
-void WarnOfFrames(const Atlas& atlas, Notices& notices) {
-  notices.Warn(
-      "the frame of the maps is taken as east, north and up in metres from --origin; `slamdb transform --georeference` "
-      "makes it so");
-  for (const Map& map : atlas.maps)
-    if (!IsMetric(map)) notices.Warn(ToString(map.id) + " has no scale, of one camera: its sizes are not in metres");
-}
-
-void WarnOfMapsElsewhere(const Atlas& atlas, const Georeference& where, Notices& notices) {
-  for (const Map& map : atlas.maps)
-    if (std::ranges::find(where.maps, map.id) == where.maps.end() && !map.keyframes.empty())
-      notices.Warn(ToString(map.id) + " was not georeferenced, and is not where it is shown");
+  const auto asked = kColors.find(options.color);
+  return asked == kColors.end() ? PointColor::kMap : asked->second;
 }
 
 }  // namespace
@@ -67,7 +43,7 @@ void AddViewerOptions(CLI::App& verb, ViewerOptions& options) {
   verb.add_option("--most-points", options.most_points,
                   "Map points to write into KML and GeoJSON, evenly out of all: 10000 by default")
       ->type_name("N")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->group(kGroup);
 }
 
@@ -88,31 +64,14 @@ void SetViewerOptions(const ViewerOptions& options, bool ascii, WriteOptions& wr
 
 std::optional<Georeference> WhereOnEarth(const ViewerOptions& options, const std::string& input, const Format& output,
                                          Notices& notices) {
-  if (!output.is_on_globe) return std::nullopt;
-  if (!options.origin.empty()) {
-    const Geodetic origin = ParseGeodetic(options.origin);
-    if (std::abs(origin.longitude) > 180)
-      notices.Note(
-          detail::Concat("the longitude ", origin.longitude, " is written as ", std::remainder(origin.longitude, 360)));
-    return Georeference{origin, {}};
-  }
-  const std::optional<Georeference> found = FindGeoreference(input);
-  if (!found)
+  const std::optional<Georeference> found = slamdb::WhereOnEarth(options.origin, input, output, notices);
+  if (output.is_on_globe && !found)
     RefuseUsage(
         "a " + std::string(output.title) +
         " needs --origin LAT,LON,ALT, where the frame of the maps begins; `slamdb transform --georeference` finds "
         "it, and keeps it in " +
         GeoreferencePath(input));
-  notices.Note("the origin is that of " + GeoreferencePath(input));
   return found;
-}
-
-void LayOnEarth(const Atlas& atlas, const Georeference& where, WriteOptions& write, Notices& notices) {
-  if (where.maps.empty())  // as asked for
-    WarnOfFrames(atlas, notices);
-  else
-    WarnOfMapsElsewhere(atlas, where, notices);
-  write.of<GeographicOptions>().origin = where.origin;
 }
 
 }  // namespace slamdb::cli

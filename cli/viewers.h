@@ -32,7 +32,4 @@ void SetViewerOptions(const ViewerOptions& options, bool ascii, WriteOptions& wr
 std::optional<Georeference> WhereOnEarth(const ViewerOptions& options, const std::string& input, const Format& output,
                                          Notices& notices);
 
-// Lays the atlas there; warns of maps that are elsewhere as far as anything tells.
-void LayOnEarth(const Atlas& atlas, const Georeference& where, WriteOptions& write, Notices& notices);
-
 }  // namespace slamdb::cli

@@ -4,15 +4,12 @@
 #include <utility>
 
 #include "slamdb/formats/formats.h"
+#include "slamdb/many/whole_store.h"
 
 namespace slamdb::cli {
 
 std::optional<Store> OpenWholeStore(const std::string& input, const InputFormat& from, double wait) {
-  const Location location(input);
-  if (!from.empty() || !location.name.empty() || !HoldsNamedAtlases(location.path)) return std::nullopt;
-  Store store = Store::Open(location.path, wait);
-  if (store.Names().size() < 2) return std::nullopt;
-  return store;
+  return from.empty() ? slamdb::OpenWholeStore(input, wait) : std::nullopt;
 }
 
 }  // namespace slamdb::cli

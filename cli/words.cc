@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cli/words.h"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace slamdb::cli {
 namespace {
-
-struct Word {
-  std::string_view library, command;
-};
 
 constexpr std::array kWords = {
     Word{"WriteOptions::overwrite", "-O/--overwrite"},
@@ -40,8 +38,13 @@ constexpr std::array kWords = {
     Word{"EvaluationOptions::delta_tolerance", "--delta-tolerance"},
     Word{"EvaluationOptions::max_time_difference", "--max-dt"},
     Word{"the time unit of the read options", "--time-unit of `slamdb convert` and `slamdb transform`"},
+    Word{"TrajectoryReadOptions::time_unit", "--time-unit"},
     Word{"TrajectoryReadOptions::times", "--times"},
+    Word{"EstimatesOptions::body", "--body"},
     Word{"writing it as csv", "`slamdb convert` to a .csv file"},
+    Word{"`OptimizeMaps`", "`slamdb optimize`"},
+    Word{"OptimizeOptions::iterations", "--iterations"},
+    Word{"OptimizeMethod::kFull adjusts", "--method full adjusts"},
     Word{"migrate it first", "run `slamdb migrate`"},
     Word{"RecoverOptions::rig", "--cameras"},
     Word{"keypoints `all`", "--keypoints all"},
@@ -52,6 +55,17 @@ constexpr std::array kWords = {
     Word{"AddOptions::name gives", "--as gives"},
     Word{"add it by itself, with AddOptions::name", "add it by itself, with --as"},
     Word{"AddOptions::name under", "--as under"},
+    Word{"SameMap::kKeepFirst leaves", "--on-conflict keep-first leaves"},
+    Word{"LocatePicturesOptions::camera tells that", "--camera tells the camera"},
+    Word{"ConvertOptions::body with ConvertOptions::onto", "--body with --onto"},
+    Word{"ConvertOptions::onto", "--onto"},
+    Word{"it is `Convert ", "it is `slamdb convert "},
+    Word{"from GeographicOptions::origin, and georeferencing makes",
+         "from --origin; `slamdb transform --georeference` makes"},
+    Word{"StampOptions::force", "--force"},
+    Word{"StampOptions::vocabulary", "--vocabulary"},
+    Word{"StampOptions::name", "--name"},
+    Word{"StampOptions::checksum", "--checksum"},
     Word{"setting `Atlas::vocabulary`", "`slamdb vocabulary set`"},
     Word{"`CheckAtlas`", "`slamdb check`"},
     Word{"`Cull`", "`slamdb cull`"},
@@ -68,13 +82,46 @@ constexpr std::array kWords = {
     Word{"`RepairAtlas`", "`slamdb repair`"},
 };
 
+// Members of reports that are names: they stay as they are, whatever they are called.
+constexpr std::string_view kNames[] = {"after", "against", "atlas",   "before",   "below",      "folder",    "from",
+                                       "input", "inputs",  "name",    "names",    "output",     "outputs",   "page",
+                                       "path",  "paths",   "picture", "pictures", "provenance", "reference", "store"};
+
+// Behind the string of a JSON text that begins at `at`.
+std::size_t EndOfString(std::string_view json, std::size_t at) {
+  for (++at; at < json.size() && json[at] != '"'; ++at)
+    if (json[at] == '\\') ++at;
+  return std::min(at + 1, json.size());
+}
+
 }  // namespace
+
+std::span<const Word> Words() { return kWords; }
 
 std::string InCommandWords(std::string_view sentence) {
   std::string text(sentence);
   for (const auto& [library, command] : kWords)
     for (std::size_t at = text.find(library); at != std::string::npos; at = text.find(library, at + command.size()))
       text.replace(at, library.size(), command);
+  return text;
+}
+
+std::string ReportInCommandWords(std::string_view json) {
+  std::string text;
+  std::string_view key;
+  for (std::size_t at = 0; at < json.size();) {
+    const std::size_t begin = std::min(json.find('"', at), json.size());
+    const std::size_t end = begin < json.size() ? EndOfString(json, begin) : begin;
+    text.append(json.substr(at, begin - at));
+    const std::string_view string = json.substr(begin, end - begin);
+    const bool is_key = end < json.size() && json[end] == ':';
+    if (is_key) key = string.substr(1, string.size() - 2);
+    if (is_key || std::ranges::find(kNames, key) != std::end(kNames))
+      text.append(string);
+    else
+      text.append(InCommandWords(string));
+    at = end;
+  }
   return text;
 }
 

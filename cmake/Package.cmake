@@ -1,5 +1,5 @@
 # Debian packages, which `cpack` makes in a build folder: slamdb, the command; libslamdb-dev, the library; libslamdb-live-dev,
-# the live map, so that nobody else gets OpenCV. Of shared libraries one package of all.
+# the live map, so that nobody else gets OpenCV; python3-slamdb, the module for Python. Of shared libraries one package of all.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME slamdb)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
@@ -29,6 +29,24 @@ if(NOT BUILD_SHARED_LIBS)
     set(CPACK_COMPONENT_COMMAND_DESCRIPTION "map database for visual SLAM
 The command slamdb opens, checks, repairs, merges, keeps and converts the maps
 that SLAM systems save, among them ORB-SLAM3's atlas files, byte for byte.")
+  endif()
+
+  if(TARGET slamdb_python)
+    list(APPEND CPACK_COMPONENTS_ALL python)
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-slamdb)
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+    # The module is of one version of Python.
+    math(EXPR after "${SLAMDB_PYTHON_MINOR} + 1")
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= 3.${SLAMDB_PYTHON_MINOR}), python3 (<< 3.${after}), python3-numpy")
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+      "${CMAKE_CURRENT_LIST_DIR}/python3-slamdb/postinst;${CMAKE_CURRENT_LIST_DIR}/python3-slamdb/prerm")
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pandas, python3-scipy")
+    set(CPACK_COMPONENT_PYTHON_DESCRIPTION "map database for visual SLAM (Python)
+The module slamdb reads, checks, changes and writes the maps of SLAM systems,
+whose points and keyframes are numpy arrays in it.")
   endif()
 
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libslamdb-dev)

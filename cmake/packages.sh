@@ -14,6 +14,10 @@ declare -A packages=(
   [libraries]="libopencv-core-dev libboost-serialization-dev"
   # The module for Python, and its tests.
   [python]="python3-dev pybind11-dev python3-numpy python3-pytest"
+  # What examples in Python use besides: plots, many machines. Their tests skip what is not there.
+  [examples]="python3-matplotlib python3-distributed"
+  # What the module goes with: matrices, tables, notebooks, wheels; and what watches its memory. Its tests skip likewise.
+  [notebooks]="python3-scipy python3-pandas python3-tqdm python3-nbformat python3-nbconvert python3-nbclient python3-ipykernel python3-pip valgrind"
   # What cpack makes packages with.
   [packaging]="file dpkg-dev"
   [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 protobuf-compiler python3-msgpack mandoc file dpkg-dev"
@@ -27,7 +31,7 @@ declare -A packages=(
   # Other programs that read what slamdb writes; tests/formats/*/run.sh skip what is not there.
   [readers]="colmap pcl-tools python3-numpy"
 )
-optional=" ${packages[pictures]} ${packages[optimization]} ${packages[libraries]} ${packages[python]} "  # a distribution that lacks one builds without it
+optional=" ${packages[pictures]} ${packages[optimization]} ${packages[libraries]} ${packages[python]} ${packages[examples]} "  # a distribution that lacks one builds without it
 
 only_tell=no
 [ "${1:-}" != --missing ] || { only_tell=yes; shift; }

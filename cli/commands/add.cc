@@ -12,6 +12,7 @@
 #include "cli/words.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
+#include "slamdb/formats/layouts/layout_text.h"
 
 namespace slamdb::cli {
 namespace {
@@ -91,7 +92,7 @@ ExitCode RunAdd(const AddVerbOptions& options, Console& console) {
   };
   const auto tell = [&](const AddReport& report) {
     if (options.json)
-      console.PrintData(InCommandWords(ToJson(report)));
+      console.PrintData(ReportInCommandWords(ToJson(report)));
     else if (!console.quiet())
       console.Print(Summary(report));
   };

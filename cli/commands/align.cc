@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <deque>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +8,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/exports.h"
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/align_text.h"
@@ -20,8 +19,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/many/likely_maps.h"
-#include "slamdb/model/statistics.h"
+#include "slamdb/many/maps_to_align.h"
 #include "slamdb/plot/alignment.h"
 
 namespace slamdb::cli {
@@ -35,58 +33,8 @@ struct AlignVerbOptions {
   double wait = kUsualWait;
 };
 
-// The maps with keyframes of all inputs, and what to call them.
-struct GivenMaps {
-  std::deque<Atlas> atlases;  // that `maps` refers to
-  std::vector<MapRef> maps;
-  std::vector<MapName> names;
-  std::vector<bool> metric;
-  std::size_t asked = 0;  // the first ones are compared with all; those behind them, of a store, not among themselves
-  std::optional<SearchedStore> store;
-
-  void Add(Atlas read, const std::string& name) {
-    const Atlas& atlas = atlases.emplace_back(std::move(read));
-    for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
-      const Map& map = atlas.maps[row];
-      if (map.keyframes.empty()) continue;
-      maps.push_back({&atlas, row});
-      names.push_back({name, map.id});
-      metric.push_back(IsMetric(map));
-    }
-  }
-};
-
-// The atlases of the store that are among the inputs.
-std::vector<std::string> NamedOf(const Store& store, const std::vector<std::string>& inputs) {
-  std::vector<std::string> names;
-  for (const std::string& input : inputs) {
-    const Location location(input);
-    std::error_code none;
-    if (!location.name.empty() && std::filesystem::equivalent(location.path, store.path(), none))
-      names.push_back(location.name);
-  }
-  return names;
-}
-
-// Adds the maps of the store that may overlap with those that are there.
-void AddLikely(Store& store, const AlignVerbOptions& options, Console& console, Notices& notices, GivenMaps& given) {
-  const LikelyMaps likely =
-      FindLikelyMaps(store, given.maps, {.without = NamedOf(store, options.inputs), .threads = console.threads()});
-  for (const LikelyMap& map : likely.maps) {
-    ReadOptions read = MakeReadOptions(console, {}, options.wait);
-    read.selection.map = map.map;
-    try {
-      given.Add(store.Load(map.atlas, read), store.path() + "#" + map.atlas);
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::kDamaged) throw;
-      notices.Warn(std::string("not compared: ") + error.what());
-    }
-  }
-  given.store = {store.path(), likely.unlike, likely.unknown};
-}
-
-GivenMaps ReadMaps(const AlignVerbOptions& options, Console& console, Notices& notices) {
-  GivenMaps given;
+MapsToAlign ReadMaps(const AlignVerbOptions& options, Console& console, Notices& notices) {
+  MapsToAlign given;
   std::optional<Store> store;
   for (const std::string& input : options.inputs) {
     if (std::optional<Store> whole = OpenWholeStore(input, options.from, options.wait)) {
@@ -94,68 +42,40 @@ GivenMaps ReadMaps(const AlignVerbOptions& options, Console& console, Notices& n
       store = std::move(whole);
       continue;
     }
-    given.Add(ReadAtlas(Location(input), MakeReadOptions(console, options.from, options.wait), &notices), input);
+    given.Add(std::make_shared<const Atlas>(
+                  ReadAtlas(Location(input), MakeReadOptions(console, options.from, options.wait), &notices)),
+              input);
   }
-  given.asked = given.maps.size();
-  const char* problem = given.maps.empty()                ? "has no map with keyframes"
-                        : given.maps.size() < 2 && !store ? "has only one map with keyframes; name another atlas to "
-                                                            "align it with"
-                                                          : nullptr;
-  if (store && options.inputs.size() == 1)
-    problem = "is a store of several atlases; name another one to align with them";
-  if (problem != nullptr) throw Error(ErrorKind::kNotPossible, options.inputs.front(), "", problem);
-  if (store) AddLikely(*store, options, console, notices, given);
+  if (store) given.AddLikely(*store, options.inputs, MakeReadOptions(console, {}, options.wait), notices);
   return given;
 }
 
-AlignedMaps Align(const AlignVerbOptions& options, const GivenMaps& given, Console& console) {
-  return AlignWithOthers(
-      given.maps, given.asked,
-      {.own_vocabulary = options.own_vocabulary, .threads = console.threads(), .progress = console.MakeProgress()});
-}
-
-PlotFormat FormatOf(const std::string& plot) {
-  const std::string path = Location(plot).path;
-  if (path.ends_with(".png")) return PlotFormat::kPng;
-  if (!path.ends_with(".svg") && path != "-" && !IsSpecialFile(path))
-    RefuseUsage("a plot is an .svg or a .png, which " + path + " does not say");
-  return PlotFormat::kSvg;
-}
-
-// Every map is in one frame; of a store that was searched, some map is in that of each map that was asked for.
-bool IsSure(const AlignedMaps& aligned, const GivenMaps& given) {
-  if (!given.store) return std::ranges::all_of(aligned.places, [](const MapPlace& place) { return place.group == 0; });
-  for (std::size_t map = 0; map < given.asked; ++map)
-    if (std::ranges::none_of(aligned.links, [&](const MapLink& link) {
-          return link.first == map && link.second >= given.asked && link.is_used();
-        }))
-      return false;
-  return true;
-}
-
-void DrawLink(const AlignedMaps& aligned, const GivenMaps& given, const AlignVerbOptions& options, AtomicFile& file) {
+void DrawLink(const AlignedMaps& aligned, const MapsToAlign& given, const AlignVerbOptions& options, AtomicFile& file) {
   const MapLink& link = aligned.links.front();
   const Plot plot =
       DrawAlignment(given.maps[link.first], given.maps[link.second], link.alignment,
-                    {.format = FormatOf(options.plot),
+                    {.format = PictureFormatOf(options.plot),
                      .title = NameText(given.names[link.second]) + " in " + NameText(given.names[link.first])});
   file.Write(plot.bytes);
   file.Commit();
 }
 
 ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
-  if (!options.plot.empty()) (void)FormatOf(options.plot);
+  if (!options.plot.empty()) (void)PictureFormatOf(options.plot);
   std::optional<AtomicFile> file;
   std::optional<AtomicFile> picture;
   if (!options.plot.empty()) picture.emplace(options.plot, AtomicFileOptions{.overwrite = options.overwrite});
   if (!options.save.empty()) file.emplace(options.save, AtomicFileOptions{.overwrite = options.overwrite});
   Notices notices;
-  const GivenMaps given = ReadMaps(options, console, notices);
+  const MapsToAlign given = ReadMaps(options, console, notices);
   if ((file || picture) && given.maps.size() != 2)
     RefuseUsage((file ? "--save" : "--plot") +
                 (" is for two maps, and there are " + std::to_string(given.maps.size())));
-  const AlignedMaps aligned = Align(options, given, console);
-  const bool sure = IsSure(aligned, given);
+  const AlignedMaps aligned = NamingFile(options.inputs.front(), [&] {
+    return given.Align(
+        {.own_vocabulary = options.own_vocabulary, .threads = console.threads(), .progress = console.MakeProgress()});
+  });
+  const bool sure = given.AreSure(aligned);
   const bool drawn = picture && aligned.links.front().alignment.first_from_second.has_value();
   if (file && sure) {
     file->Write(ToText(*aligned.links.front().alignment.first_from_second) + "\n");
@@ -167,7 +87,7 @@ ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
   console.Report(notices);
   const std::string text =
       AlignText(aligned, given.names, given.metric) + (given.store ? UnlikeText(*given.store) : "");
-  PrintReport(options.json ? ToJson(aligned, given.names, given.store) : text, options.json,
+  PrintReport(options.json ? given.ToJson(aligned) : text, options.json,
               (file && IsStandardOutput(options.save)) || (picture && IsStandardOutput(options.plot)), console);
   if (file && sure && !options.json) console.PrintWritten(options.save, notices);
   if (drawn && !options.json) console.PrintWritten(options.plot, notices);

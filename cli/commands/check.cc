@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slamdb/checks/check.h"
+#include "slamdb/many/check.h"
 
 #include <filesystem>
 #include <memory>
@@ -12,10 +12,9 @@
 #include "cli/many.h"
 #include "cli/options.h"
 #include "cli/report/paint.h"
+#include "cli/words.h"
 #include "slamdb/base/detail/visible.h"
-#include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
-#include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/version.h"
@@ -33,19 +32,14 @@ struct CheckVerbOptions {
   CheckOptions check;
   std::optional<std::size_t> max_findings;
   std::vector<double> limits;  // one for each gate; NaN: not asked for
+  double wait = kUsualWait;
 };
 
-CheckOptions CheckOptionsOf(const CheckVerbOptions& options, Console& console) {
+CheckOptions CheckOptionsOf(const CheckVerbOptions& options) {
   CheckOptions check = options.check;
-  check.threads = console.threads();
   check.max_findings = options.max_findings.value_or(kKeptFindings);
   check.gates = GatesOf(options.limits);
   return check;
-}
-
-void RefuseOtherVocabulary(const std::string& input, const Atlas& atlas, const LoadedVocabulary& given, int threads) {
-  NamingFile(input,
-             [&] { RequireVocabulary(atlas, {.tree = &given.tree, .identity = given.identity, .threads = threads}); });
 }
 
 std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptions& options, const std::string& format,
@@ -86,26 +80,14 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
   }
   if (options.many.inputs.paths.empty()) throw CLI::RequiredError("FILE");
   if (format == "markdown") RefuseUsage("--format markdown is for --list");
-  CheckOptions check = CheckOptionsOf(options, console);
   const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
-  if (vocabulary) check.vocabulary_words = vocabulary->tree.word_count;
-  const AtlasInputs inputs = FindInputs(options.many, console);
-  if (inputs.atlases.empty()) throw Error(ErrorKind::kNotFound, "there is no atlas to check");
-  const auto outcomes =
-      ForEachInput<CheckReport>(inputs.atlases, options.many.inputs.from, console,
-                                [&](const std::string& path, const ReadOptions& read, Notices& notices) {
-                                  CheckOptions mine = check;
-                                  mine.threads = read.threads;
-                                  ReadOptions whole = read;
-                                  whole.needs = Content::kObservations | Content::kLandmarks;
-                                  const Atlas atlas = ReadAtlas(path, whole, &notices);
-                                  if (vocabulary) RefuseOtherVocabulary(path, atlas, *vocabulary, read.threads);
-                                  return CheckAtlas(atlas, mine);
-                                });
-  std::vector<CheckedFile> files;
-  for (const auto& outcome : outcomes)
-    files.push_back(
-        {.name = outcome.path, .report = outcome.result, .failure = outcome.error, .file = FileOfInput(outcome.path)});
+  auto outcomes = CheckAtlases(FindInputs(options.many, console, options.wait),
+                               {.read = MakeReadOptions(console, options.many.inputs.from, options.wait),
+                                .check = CheckOptionsOf(options),
+                                .vocabulary = vocabulary ? &*vocabulary : nullptr});
+  for (auto& outcome : outcomes) outcome.error = InCommandWords(outcome.error);
+  std::vector<CheckedFile> files = CheckedFilesOf(outcomes);
+  for (CheckedFile& file : files) file.file = FileOfInput(file.name);
   const bool for_people = format == "text" && options.output.path == "-";
   const bool one = files.size() == 1;
   if (!for_people || !one || outcomes.front().ok())
@@ -134,6 +116,7 @@ Run AddCheck(CLI::App& verb) {
                   "another vocabulary is refused")
       ->type_name("FILE");
   verb.add_flag("--list", options->list, "List the rules with their severity, and check nothing");
+  AddWait(verb, options->wait);
   AddRules(verb, options->check);
   AddGates(verb, options->limits);
   return [options](Console& console) { return RunCheck(*options, console); };

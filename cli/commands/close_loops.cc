@@ -4,10 +4,12 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/close_loops_text.h"
 #include "cli/report/optimize_text.h"
+#include "slamdb/optimize/warnings.h"
 
 namespace slamdb::cli {
 namespace {
@@ -18,9 +20,6 @@ struct CloseLoopsVerbOptions {
   std::vector<std::uint64_t> maps;
 };
 
-// What --optimize takes: whether the bundle is adjusted.
-const std::map<std::string, bool> kOptimizations = {{"pose-graph", false}, {"full", true}};
-
 ExitCode RunCloseLoops(const CloseLoopsVerbOptions& options, Console& console) {
   Notices notices;
   CloseLoopsOptions close = options.close;
@@ -29,7 +28,7 @@ ExitCode RunCloseLoops(const CloseLoopsVerbOptions& options, Console& console) {
   close.progress = console.MakeProgress();
   Atlas atlas = ReadInput(options.edit, console, notices);
   const CloseLoopsReport report = NamingFile(options.edit.input, [&] { return CloseLoops(atlas, close); });
-  for (const ClosedMap& map : report.maps) WarnOf(map.optimization, "slamdb optimize goes on", notices);
+  for (const ClosedMap& map : report.maps) TellWarnings(map.optimization, "`OptimizeMaps` goes on", notices);
   WriteResult(atlas, options.edit, "close-loops " + options.edit.input, console, notices);
   return FinishEdit(CloseLoopsText(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
@@ -43,7 +42,7 @@ Run AddCloseLoops(CLI::App& verb) {
           "Behind the pose graph, which closes them: bundle adjustment of the whole map (full, the default), or "
           "nothing more (pose-graph)")
       ->type_name("METHOD")
-      ->transform(OneOf(kOptimizations));
+      ->transform(OneOf(kLoopOptimizations));
   verb.add_option("--map", options->maps, "Close loops only in the map of this id; may be given several times")
       ->type_name("ID")
       ->allow_extra_args(false);

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <memory>
 
-#include "cli/boost_versions.h"
 #include "cli/commands/commands.h"
 #include "cli/console.h"
 #include "cli/help/tree.h"
-#include "cli/report/list_text.h"
 #include "slamdb/checks/check.h"
+#include "slamdb/formats/orbslam3/boost_versions.h"
+#include "slamdb/many/list.h"
 
 namespace slamdb::cli {
 namespace {
@@ -44,7 +44,7 @@ std::vector<std::string> ChoicesOf(const OptionEntry& entry, const CLI::App& app
   if (entry.value == "RULE")
     for (const Rule& rule : ReadRules()) choices.emplace_back(rule.id);
   if (entry.value.find("COLUMN") != std::string::npos)
-    for (const std::string& word : ListKeyWords()) choices.push_back(word);
+    for (const ListKey key : ListKeys()) choices.emplace_back(NameOf(key));
   if (entry.value == "BOOST")
     for (const std::string& name : NamesOfSystems()) choices.push_back(name);
   const CLI::App* program = &app;

@@ -7,6 +7,7 @@
 #include "cli/edit.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
+#include "slamdb/edit/part/warnings.h"
 
 namespace slamdb::cli {
 namespace {
@@ -45,12 +46,7 @@ CullOptions RulesOf(const CullVerbOptions& options, Console& console) {
   CullOptions rules = options.rules;
   rules.redundancy = AskedOf(options.redundancy);
   rules.min_observations = AskedOf(options.min_observations);
-  const bool has_rule =
-      rules.redundancy || rules.min_observations || rules.max_error || rules.min_parallax || rules.unseen_since;
-  if (!has_rule) {
-    rules.redundancy = CullOptions::Orbslam3().redundancy;
-    rules.min_observations = CullOptions::Orbslam3().min_observations;
-  }
+  rules.UseOrbslam3UnlessAsked();
   rules.threads = console.threads();
   rules.progress = console.MakeProgress();
   return rules;

@@ -7,6 +7,7 @@
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
+#include "cli/values.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/layouts/layout.h"
 
@@ -193,7 +194,7 @@ Run AddDiff(CLI::App& verb) {
           "Numbers are the same when they differ by at most this times the larger of 1 and their size; 1e-5 lets "
           "pass what single precision rounds")
       ->type_name("FRACTION")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->capture_default_str();
   verb.add_flag("--ignore-ids", options->ignore_ids, "Atlases that are only renumbered count as the same");
   CLI::Option* json = verb.add_flag("--json", options->json, "Print JSON, for programs");

@@ -41,14 +41,6 @@ std::string TextOf(const TableEditReport& report, const TableEditOptions& tables
   return text;
 }
 
-void WarnOf(const std::string& path, const TableEditChanges& changes, Notices& notices) {
-  if (changes.has_open_end) notices.Warn(detail::OpenEndWarning(path));
-  if (changes.ignored.empty()) return;
-  std::string names;
-  for (const std::string& name : changes.ignored) names += (names.empty() ? "" : ", ") + name;
-  notices.Warn(path + ": columns of other names are left aside: " + names);
-}
-
 ExitCode RunEdit(const EditVerbOptions& options, Console& console) {
   if (options.points.empty() && options.keyframes.empty())
     RefuseUsage("a table is missing; --points or --keyframes names one");
@@ -61,8 +53,7 @@ ExitCode RunEdit(const EditVerbOptions& options, Console& console) {
                                    .journal = journal.wanted() || options.edit.json,  // which counts its edits
                                    .threads = console.threads()};
   const TableEditReport report = EditByTables(atlas, tables);
-  WarnOf(options.points, report.points, notices);
-  WarnOf(options.keyframes, report.keyframes, notices);
+  TellWarnings(report, tables, notices);
   if (journal.wanted()) journal.Write(ToJson(report.journal));
   WriteResult(atlas, options.edit, "edit " + options.edit.input, console, notices, &journal);
   return FinishEdit(TextOf(report, tables, options.edit.dry_run), ToJson(report, FilesOf(options.edit)), options.edit,

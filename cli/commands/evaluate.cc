@@ -39,8 +39,9 @@ EvaluationReport Evaluate(const EvaluateVerbOptions& options, Console& console, 
   TrajectoriesOptions read_truth = read;
   read.layout = options.layout;
   read_truth.times = options.times;
-  Trajectories estimate = ReadTrajectoriesOf(options.estimate, read, console, notices);
-  Trajectories truth = ReadTrajectoriesOf(options.reference, read_truth, console, notices);
+  Estimates estimate = ReadTrajectoriesOf(options.estimate, read, console, notices);
+  Estimates truth = ReadTrajectoriesOf(options.reference, read_truth, console, notices);
+  RefuseIdleBody(estimate, truth, options.body);
   TellWhosePoses(estimate, truth, options.body, notices);
   KeepMaps(estimate, options.maps);
   if (truth.list.size() > 1 && !options.reference_map)
@@ -50,8 +51,7 @@ EvaluationReport Evaluate(const EvaluateVerbOptions& options, Console& console, 
   EvaluationOptions evaluation = options.evaluation;
   evaluation.threads = console.threads();
   evaluation.progress = console.MakeProgress();
-  return NamingFile(options.estimate,
-                    [&] { return EvaluateTrajectories(std::move(estimate.list), reference.poses, evaluation); });
+  return EvaluateEstimates(std::move(estimate), reference, evaluation);
 }
 
 // Opened before the work, so that what would fail at the end fails at once.
@@ -128,7 +128,7 @@ void BindErrors(CLI::App& verb, EvaluateVerbOptions& options) {
   verb.add_option("--delta-tolerance", evaluation.delta_tolerance,
                   "Share of the delta that the distance may be off, for seconds and all pairs")
       ->type_name("SHARE")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->capture_default_str()
       ->group(kGroup);
   verb.add_flag("--all-pairs", evaluation.all_pairs, "Relative errors from every pose, not one behind the other")
@@ -141,7 +141,7 @@ void BindErrors(CLI::App& verb, EvaluateVerbOptions& options) {
 void BindLimits(CLI::App& verb, EvaluationLimits& limits) {
   constexpr const char* kGroup = "Limits, for CI; exit status 1 when one is broken";
   const auto add = [&](const char* name, std::optional<double>& limit, const char* help, const char* type) {
-    verb.add_option(name, limit, help)->type_name(type)->check(CheckNonNegative)->group(kGroup);
+    verb.add_option(name, limit, help)->type_name(type)->check(Within(kNonNegative))->group(kGroup);
   };
   add("--max-ate-rmse", limits.max_ate_rmse, "Absolute error of positions, root mean square", "METRES");
   add("--max-ate", limits.max_ate, "The largest absolute error of a position", "METRES");

@@ -5,9 +5,11 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/part_text.h"
+#include "cli/values.h"
 #include "slamdb/base/detail/text.h"
 
 namespace slamdb::cli {
@@ -29,9 +31,6 @@ struct ExtractVerbOptions {
            !keyframes.empty() || !polygon.empty() || session || component || every > 1;
   }
 };
-
-const std::map<std::string, PlanPlane> kPlanes = {
-    {"auto", PlanPlane::kAuto}, {"xy", PlanPlane::kXy}, {"xz", PlanPlane::kXz}, {"yz", PlanPlane::kYz}};
 
 // `X,Y X,Y ...`, corners apart by spaces or semicolons. Empty when it is not that.
 std::vector<Eigen::Vector2f> ParsePolygon(std::string_view text) {
@@ -65,7 +64,7 @@ SelectOptions SelectOptionsOf(const ExtractVerbOptions& options, const Selection
                        .except = options.except};
   for (const std::uint64_t id : options.keyframes) select.keyframes.emplace_back(id);
   select.plane = kPlanes.at(options.plane);
-  if (options.region != "both") select.region = options.region == "cameras" ? RegionOf::kCameras : RegionOf::kPoints;
+  select.region = kRegions.at(options.region);
   return select;
 }
 
@@ -137,11 +136,11 @@ void AddParts(CLI::App& verb, ExtractVerbOptions& options) {
   verb.add_option("--component", options.component,
                   "Only this connected part of the covisibility graph; 1 is the largest")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->group(kGroup);
   verb.add_option("--every", options.every, "Of what is selected, every Nth keyframe in order of time")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->group(kGroup);
   verb.add_flag("--except", options.except, "Everything but the part")->group(kGroup);
 }

@@ -4,10 +4,12 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
+#include "cli/values.h"
 
 namespace slamdb::cli {
 namespace {
@@ -16,9 +18,6 @@ struct FragmentVerbOptions {
   EditOptions edit;
   FragmentOptions fragments;
 };
-
-const std::map<std::string, MapOrder> kOrders = {
-    {"as-is", MapOrder::kAsIs}, {"size", MapOrder::kSize}, {"time", MapOrder::kTime}, {"id", MapOrder::kId}};
 
 std::string TableText(const FragmentReport& report) {
   using enum Table::Align;
@@ -48,15 +47,15 @@ Run AddFragments(CLI::App& verb) {
   AddEdit(verb, options->edit);
   verb.add_option("--min-keyframes", options->fragments.min_keyframes, "Drop maps with fewer; empty ones always go")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->capture_default_str();
   verb.add_option("--largest", options->fragments.largest, "Keep only so many maps, those with most keyframes")
       ->type_name("N")
-      ->check(CheckPositive);
+      ->check(Within(kPositive));
   verb.add_option("--order", options->fragments.order,
                   "Order of the maps in the output: as they are, most keyframes first, earliest first, or by id")
       ->type_name("ORDER")
-      ->transform(OneOf(kOrders))
+      ->transform(OneOf(kMapOrders))
       ->default_str("as-is");
   return [options](Console& console) { return RunFragments(*options, console); };
 }

@@ -8,7 +8,9 @@
 #include "cli/edit.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "cli/values.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/landmarks/warnings.h"
 #include "slamdb/formats/formats.h"
 
 namespace slamdb::cli {
@@ -40,10 +42,7 @@ ExitCode RunFromPoints(const FromPointsOptions& options, Console& console) {
   Atlas atlas = ReadInput(options.edit, console, notices);
   const MakeLandmarksReport report = MakeLandmarks(
       atlas, {.pixel_sigma = options.sigma, .threads = console.threads(), .progress = console.MakeProgress()});
-  if (report.landmarks == 0)
-    throw Error(ErrorKind::kNotPossible, options.edit.input, "",
-                report.bad > 0 ? "all points are flagged bad, so there is none to make a landmark of"
-                               : "there are no points to make landmarks of");
+  NamingFile(options.edit.input, [&] { RequireMade(report); });
   KeepWhatWasAskedFor(options.edit, atlas, notices);
   WriteResult(atlas, options.edit, "landmarks from-points " + options.edit.input, console, notices);
   std::string text = "made " + Counted(report.landmarks, "landmark") + " of points\n";
@@ -64,36 +63,17 @@ struct ToPointsOptions {
   bool add = false;
 };
 
-template <class Report>
-void WarnOfTurned(const Report& report, Notices& notices) {
-  if (report.turned > 0)
-    notices.Warn("the normals of " + Counted(report.turned, "landmark") +
-                 " point away from the cameras, as earlier versions of slamdb made them; they were turned round");
-  if (report.unturned > 0)
-    notices.Warn("the normals of " + Counted(report.unturned, "landmark") +
-                 " without a point that tells their direction were left as they are, since less than nine tenths of "
-                 "the others had to be turned round");
-}
-
-// Atlas files and stores may have none.
-void RequireLandmarks(const Atlas& atlas, const std::string& input) {
-  if (!SubstanceOf(atlas).landmarks)
-    throw Error(ErrorKind::kNotPossible, input, "",
-                "has no landmarks; `slamdb landmarks from-points` makes them of points");
-}
-
 void WarnOfAdded(std::uint64_t added, const EditOptions& options, Notices& notices) {
-  if (added > 0 && HoldsObservations(options))
-    notices.Warn("points without observations are for viewers and exports: ORB-SLAM3 crashes on them");
+  if (HoldsObservations(options)) WarnOfUnobserved(added, notices);
 }
 
 ExitCode MakeThem(const EditOptions& options, Console& console) {
   Notices notices;
   Atlas atlas = ReadInput(options, console, notices);
-  RequireLandmarks(atlas, options.input);
+  NamingFile(options.input, [&] { RequireLandmarks(atlas); });
   const MakePointsReport report = MakePoints(atlas);
   WarnOfAdded(report.added, options, notices);
-  WarnOfTurned(report, notices);
+  TellWarnings(report, notices);
   WriteResult(atlas, options, "landmarks to-points " + options.input, console, notices);
   std::string text = "moved " + Counted(report.moved, "point") + ", added " + Grouped(report.added) + "\n";
   if (report.plain > 0) text += "  " + Grouped(report.plain) + " of those added have no ORB descriptor\n";
@@ -101,17 +81,6 @@ ExitCode MakeThem(const EditOptions& options, Console& console) {
   if (report.renamed > 0)
     text += "  " + Counted(report.renamed, "landmark") + " got new ids, since another map has theirs\n";
   return FinishEdit(text, ToJson(report, FilesOf(options)), options, console, notices);
-}
-
-// "3 landmarks ...: 4, 17, 23"; the first few of many.
-void WarnOfLeftOut(const std::vector<LandmarkId>& ids, const std::string& why, Notices& notices) {
-  constexpr std::size_t kShown = 5;
-  if (ids.empty()) return;
-  std::string text = Counted(ids.size(), "landmark") + " left out, " + why + ":";
-  for (std::size_t i = 0; i < std::min(kShown, ids.size()); ++i)
-    text += (i > 0 ? ", " : " ") + (ids[i] ? ToString(ids[i]) : std::string("one without id"));
-  if (ids.size() > kShown) text += " and " + Grouped(ids.size() - kShown) + " more";
-  notices.Warn(text);
 }
 
 // What the format of the output has no place for goes before it is written, and is a loss only where it says more than
@@ -139,14 +108,11 @@ ExitCode LayThem(const ToPointsOptions& options, Console& console) {
   const EditOptions& edit = options.edit;
   Notices notices;
   const Atlas landmarks = ReadInput(edit, console, notices);
-  RequireLandmarks(landmarks, edit.input);
+  NamingFile(edit.input, [&] { RequireLandmarks(landmarks); });
   Atlas atlas = ReadAtlas(options.into, MakeReadOptions(console, {}, edit.wait), &notices);
   const LayLandmarksReport report = LayLandmarks(atlas, landmarks, {.add = options.add});
-  WarnOfLeftOut(report.not_there, "since " + options.into + " has no point of the id", notices);
-  WarnOfLeftOut(report.ambiguous, "since several maps have the id", notices);
-  WarnOfLeftOut(report.infinite, "since they are at no finite place", notices);
+  TellWarnings(report, options.into, notices);
   WarnOfAdded(report.added, edit, notices);
-  WarnOfTurned(report, notices);
   DropUnwritable(report, edit, atlas, notices);
   WriteResult(atlas, edit, "landmarks to-points " + edit.input + " --into " + options.into, console, notices);
   return FinishEdit(LayText(report),
@@ -165,8 +131,7 @@ Run BindFromPoints(CLI::App& verb) {
   AddEdit(verb, options->edit);
   verb.add_option("--sigma", options->sigma, "Standard deviation of a keypoint at full size, in pixels [1]")
       ->type_name("PIXELS")
-      ->check(CheckPositive)
-      ->check(CLI::Range(1e-3, 1e3).description({}));
+      ->check(Within(kPixelSigma));
   return [options](Console& console) { return RunFromPoints(*options, console); };
 }
 

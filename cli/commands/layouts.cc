@@ -6,6 +6,7 @@
 #include "cli/edit.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/visible.h"
@@ -170,7 +171,7 @@ Run BindInfer(CLI::App& verb) {
   verb.add_option("FILE", options->input, "An .osa file of the fork")->type_name("FILE")->required();
   verb.add_option("--choose", options->choice, "Where several layouts fit, take this one of them; 1 is the likeliest")
       ->type_name("N")
-      ->check(CLI::Range(1, 1000).description({}));
+      ->check(Within(kLayoutChoice));
   AddLayoutOutput(verb, *options);
   return [options](Console& console) { return RunInfer(*options, console); };
 }

@@ -16,6 +16,8 @@
 #include "cli/terminal.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
+#include "slamdb/formats/layouts/layout_text.h"
 
 namespace slamdb::cli {
 namespace {
@@ -48,17 +50,19 @@ std::string CheckBall(const std::string& text) {
   return ParseBall(text) ? std::string() : "expected a place and perhaps a radius as X,Y,Z,R, found '" + text + "'";
 }
 
-std::string WithoutSign(const std::string& word) { return word.starts_with('-') ? word.substr(1) : word; }
-
 std::string KnownWords() {
   std::string known;
-  for (const std::string& word : ListKeyWords()) known += (known.empty() ? "" : ", ") + word;
+  for (const ListKey key : ListKeys()) known.append(known.empty() ? "" : ", ").append(NameOf(key));
   return known;
 }
 
 std::string CheckWord(const std::string& word) {
-  if (std::ranges::count(ListKeyWords(), WithoutSign(word)) > 0) return {};
-  return "'" + word + "' is none of " + KnownWords();
+  try {
+    (void)SortKeyOf(word);
+    return {};
+  } catch (const Error& error) {
+    return error.problem();
+  }
 }
 
 MapQuery::Times TimesOf(const std::string& range) {
@@ -76,14 +80,14 @@ MapQuery QueryOf(const ListVerbOptions& options) {
 
 std::vector<SortKey> SortKeysOf(const std::vector<std::string>& words) {
   std::vector<SortKey> keys;
-  for (const std::string& word : words) keys.push_back({ListKeyOf(WithoutSign(word)), word.starts_with('-')});
+  for (const std::string& word : words) keys.push_back(SortKeyOf(word));
   return keys;
 }
 
 std::string TextOf(const std::vector<ListedAtlas>& atlases, const ListVerbOptions& options) {
   if (atlases.empty()) return QueryOf(options).everything() ? "no atlases\n" : "no atlas covers that\n";
   std::vector<ListKey> columns;
-  for (const std::string& word : options.columns) columns.push_back(ListKeyOf(WithoutSign(word)));
+  for (const std::string& word : options.columns) columns.push_back(SortKeyOf(word).key);
   return columns.empty() ? ListText(atlases, UsualColumns(atlases), TerminalColumns(STDOUT_FILENO))
                          : ListText(atlases, columns);
 }
@@ -102,7 +106,7 @@ ExitCode RunList(const ListVerbOptions& options, Console& console) {
   const bool one = atlases.size() == 1;
   SortAtlases(atlases, SortKeysOf(options.sort));
   if (options.json)
-    console.PrintData(InCommandWords(ToJson(atlases, many.inputs.paths.size() == 1 ? many.inputs.paths[0] : "")));
+    console.PrintData(ReportInCommandWords(ToJson(atlases, many.inputs.paths.size() == 1 ? many.inputs.paths[0] : "")));
   else if (!one || atlases[0].failure.empty())
     console.Print(TextOf(atlases, options));
   const auto unreadable = static_cast<std::uint64_t>(

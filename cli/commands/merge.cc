@@ -2,33 +2,23 @@
 #include "slamdb/edit/merge/merge.h"
 
 #include <algorithm>
-#include <iterator>
-#include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/align_text.h"
 #include "cli/report/merge_text.h"
-#include "cli/report/optimize_text.h"
-#include "slamdb/align/join_aligned.h"
-#include "slamdb/align/optimize_joined.h"
-#include "slamdb/align/report_json.h"
+#include "cli/values.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
-#include "slamdb/model/statistics.h"
+#include "slamdb/edit/merge/warnings.h"
+#include "slamdb/many/names.h"
 
 namespace slamdb::cli {
 namespace {
-
-// What --optimize takes.
-enum class Tightening { kUsual, kNone, kPoseGraph, kSeam, kFull };
-const std::map<std::string, Tightening> kTightenings = {{"none", Tightening::kNone},
-                                                        {"pose-graph", Tightening::kPoseGraph},
-                                                        {"seam", Tightening::kSeam},
-                                                        {"full", Tightening::kFull}};
 
 struct MergeVerbOptions {
   EditOptions edit;
@@ -42,25 +32,6 @@ struct MergeVerbOptions {
   FuseOptions fusion;
   Tightening tightening = Tightening::kUsual;
 };
-
-const std::map<std::string, SameMap> kConflicts = {
-    {"renumber", SameMap::kKeepBoth}, {"error", SameMap::kError}, {"keep-first", SameMap::kKeepFirst}};
-
-void Note(const MergeReport& report, Notices& notices) {
-  for (const MapTwice& twice : report.same_maps)
-    if (!twice.left_out)
-      notices.Warn(ToString(twice.map) + " of " + report.inputs[twice.input].name +
-                   " is in the result twice; --on-conflict keep-first leaves the copy out");
-  for (const std::string& name : report.other_vocabularies)
-    notices.Warn(name + ": its bags of words are of another vocabulary; compute them anew before place recognition");
-  for (const std::string& name : report.other_layouts)
-    notices.Lose(name + ": the members of its fork are of another layout than those of the result, and were left out");
-  if (report.dropped_members > 0 && report.other_layouts.empty())
-    notices.Lose("the members that a fork has of the atlas itself are those of the first input");
-  for (const std::string& warning : report.warnings) notices.Warn(warning);
-  if (!report.join) return;
-  for (const std::string& warning : report.join->warnings) notices.Warn(warning);
-}
 
 // `0:1`, an end may be left out.
 std::string CheckMaps(const std::string& text) {
@@ -100,26 +71,6 @@ std::string Provenance(const std::vector<std::string>& inputs) {
   return text;
 }
 
-// An input that is named again gets a number, so that tables tell the two apart.
-std::vector<std::string> DistinctNames(std::vector<std::string> names) {
-  for (std::size_t i = 1; i < names.size(); ++i) {
-    const std::string name = names[i];
-    for (int copy = 2; std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]) !=
-                       names.begin() + static_cast<std::ptrdiff_t>(i);
-         ++copy)
-      names[i] = name + " (" + std::to_string(copy) + ")";
-  }
-  return names;
-}
-
-// Maps of landmarks are fused unless told otherwise, as MRPT's fuseWith does.
-bool HoldLandmarksAlone(const std::vector<Atlas>& atlases) {
-  return std::ranges::all_of(atlases, [](const Atlas& atlas) {
-    const Substance substance = SubstanceOf(atlas, /*with_bad=*/true);
-    return substance.landmarks && !substance.keyframes;
-  });
-}
-
 std::vector<Atlas> ReadInputs(const MergeVerbOptions& options, Console& console, Notices& notices) {
   const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
   std::vector<Atlas> atlases;
@@ -132,121 +83,26 @@ std::vector<Atlas> ReadInputs(const MergeVerbOptions& options, Console& console,
   return atlases;
 }
 
-// What to call the maps with keyframes of the result: by the input that they come from.
-std::vector<MapName> NamesOf(const std::vector<std::string>& inputs, const MergeResult& result,
-                             const std::vector<std::vector<MapId>>& maps) {
-  std::vector<MapName> names;
-  std::size_t row = 0;
-  for (std::size_t input = 0; input < maps.size(); ++input)
-    for (const MapId map : maps[input]) {
-      const bool left_out = std::ranges::any_of(result.report.same_maps, [&](const MapTwice& twice) {
-        return twice.left_out && twice.input == input && twice.map == map;
-      });
-      if (left_out) continue;
-      if (!result.atlas.maps[row++].keyframes.empty()) names.push_back({inputs[input], map});
-    }
-  return names;
-}
-
-// Aligns the maps of the result and joins those that lie in one frame.
-JoinAlignedReport Align(MergeResult& result, const MergeVerbOptions& options, const std::vector<MapName>& names,
-                        Console& console, Notices& notices) {
-  JoinAlignedOptions join{.threads = console.threads(), .progress = console.MakeProgress()};
-  join.fuse = options.no_fuse ? std::nullopt : std::optional(options.fusion);
-  JoinAlignedReport report = JoinAlignedMaps(result.atlas,
-                                             {.own_vocabulary = !result.report.other_vocabularies.empty(),
-                                              .threads = console.threads(),
-                                              .progress = console.MakeProgress()},
-                                             join);
-  for (const MapId apart : report.apart) {
-    const auto row = std::ranges::find(report.maps, apart) - report.maps.begin();
-    notices.Warn(NameText(names[static_cast<std::size_t>(row)]) +
-                 " stays a map of its own: it is aligned with no other");
-  }
-  for (const JoinReport& each : report.joins)
-    for (const std::string& warning : each.warnings) notices.Warn(warning);
-  return report;
-}
-
-// None: the joined maps stay as they lie.
-std::optional<OptimizeMethod> MethodOf(Tightening tightening) {
-  switch (tightening) {
-    case Tightening::kUsual:
-      return CanOptimize() ? std::optional(OptimizeMethod::kSeam) : std::nullopt;
-    case Tightening::kNone:
-      return std::nullopt;
-    case Tightening::kPoseGraph:
-      return OptimizeMethod::kPoseGraph;
-    case Tightening::kSeam:
-      return OptimizeMethod::kSeam;
-    case Tightening::kFull:
-      return OptimizeMethod::kFull;
-  }
-  return std::nullopt;
-}
-
-std::vector<OptimizedJoin> Tighten(Atlas& atlas, const JoinAlignedReport& joined, const MergeVerbOptions& options,
-                                   Console& console, Notices& notices) {
-  if (joined.joins.empty()) return {};
-  const std::optional<OptimizeMethod> method = MethodOf(options.tightening);
-  if (!method && options.tightening == Tightening::kUsual)
-    notices.Note("the joined map is not optimised: this slamdb was built without Ceres (libceres-dev)");
-  if (!method) return {};
-  std::vector<OptimizedJoin> rounds = OptimizeJoined(
-      atlas, joined, {.method = *method, .threads = console.threads(), .progress = console.MakeProgress()});
-  for (const OptimizedJoin& round : rounds) WarnOf(round.optimization, "slamdb optimize goes on", notices);
-  return rounds;
-}
-
-std::vector<MapPointId> PointsOf(const Atlas& atlas) {
-  std::vector<MapPointId> points;
-  for (const Map& map : atlas.maps)
-    for (const MapPoint& point : map.points) points.push_back(point.id);
-  std::ranges::sort(points);
-  return points;
-}
-
-void FollowIds(const std::vector<MapPointId>& before, const Atlas& atlas, const JoinAlignedReport& joined,
-               const std::vector<OptimizedJoin>& tightened, std::vector<IdMap>& id_maps) {
-  std::vector<MapPointId> gone;
-  std::ranges::set_difference(before, PointsOf(atlas), std::back_inserter(gone));
-  for (IdMap& ids : id_maps) {
-    for (const JoinReport& join : joined.joins) FollowJoin(join, ids);
-    for (const OptimizedJoin& round : tightened) FollowFuse(round.fused, ids);
-    FollowRemoval(gone, ids);
-  }
-}
-
-// Nothing is written when no map could be joined: a wrong merge is worse than none.
-ExitCode MergeAligned(MergeResult result, const std::vector<MapName>& names, SideFile& id_map,
+// One map of those that overlap, or nothing where that is not sure.
+ExitCode MergeAndJoin(std::vector<Atlas> atlases, const MergeOptions& merge, SideFile& id_map,
                       const MergeVerbOptions& options, Console& console, Notices& notices) {
-  std::vector<bool> metric;  // before the maps are joined
-  for (const Map& map : result.atlas.maps)
-    if (!map.keyframes.empty()) metric.push_back(IsMetric(map));
-  if (metric.size() < 2)
-    throw Error(ErrorKind::kNotPossible, options.inputs.front(), "",
-                "there is only one map with keyframes; name another atlas to align it with");
-  const bool follow = !result.report.id_maps.empty();
-  const std::vector<MapPointId> points = follow ? PointsOf(result.atlas) : std::vector<MapPointId>();
-  const JoinAlignedReport joined = Align(result, options, names, console, notices);
-  const std::vector<OptimizedJoin> tightened = Tighten(result.atlas, joined, options, console, notices);
-  const bool any = !joined.joins.empty();
-  std::string text = (any ? MergeText(result.report) : "") + AlignText(joined.aligned, names, metric);
-  for (const JoinReport& join : joined.joins) text += JoinText(join);
-  text += OptimizedJoinText(tightened);
-  if (any) {
-    if (follow) FollowIds(points, result.atlas, joined, tightened, result.report.id_maps);
-    if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
-    WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
+  MergeAlignedOptions aligned{.merge = merge, .fuse = options.fusion, .tightening = options.tightening};
+  if (options.no_fuse) aligned.fuse.reset();
+  const MergeAlignedResult result = MergeAligned(std::move(atlases), aligned, notices);
+  const MergeReport& report = result.merged.report;
+  std::string text =
+      (result.any() ? MergeText(report) : "") + AlignText(result.joined.aligned, result.names, result.metric);
+  for (const JoinReport& join : result.joined.joins) text += JoinText(join);
+  text += OptimizedJoinText(result.tightened);
+  if (!result.any()) {
+    console.Report(notices);
+    PrintReport(options.edit.json ? ToJson(result) : text, options.edit.json, /*piped=*/false, console);
+    console.Fail("no map could be aligned with another, so nothing was written");
+    return ExitCode::kFailed;
   }
-  if (any) Note(result.report, notices);
-  const std::string json =
-      ToJson(result.report, joined, tightened, names, any ? FilesOf(options.edit).output : std::string());
-  if (any) return FinishEdit(text, json, options.edit, console, notices);
-  console.Report(notices);
-  PrintReport(options.edit.json ? json : text, options.edit.json, /*piped=*/false, console);
-  console.Fail("no map could be aligned with another, so nothing was written");
-  return ExitCode::kFailed;
+  if (id_map.wanted()) id_map.Write(IdMapsToText(report.id_maps, options.id_map));
+  WriteResult(result.merged.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
+  return FinishEdit(text, ToJson(result, FilesOf(options.edit).output), options.edit, console, notices);
 }
 
 ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
@@ -266,19 +122,11 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   } else if (merge.join && options.transform.empty() && options.anchors.empty()) {
     RefuseUsage("--join needs --transform or --anchors: how the second map lies in the first; --align finds it");
   }
-  std::vector<std::vector<MapId>> maps;
-  for (const Atlas& atlas : atlases) {
-    maps.emplace_back();
-    for (const Map& map : atlas.maps) maps.back().push_back(map.id);
-  }
+  if (options.align) return MergeAndJoin(std::move(atlases), merge, id_map, options, console, notices);
   MergeResult result = MergeAtlases(std::move(atlases), merge);
-  if (options.align) {
-    const std::vector<MapName> names = NamesOf(merge.names, result, maps);
-    return MergeAligned(std::move(result), names, id_map, options, console, notices);
-  }
   if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
   WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
-  Note(result.report, notices);
+  TellWarnings(result.report, notices);
   return FinishEdit(MergeText(result.report), ToJson(result.report, FilesOf(options.edit).output), options.edit,
                     console, notices);
 }
@@ -317,7 +165,7 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
   needs_join(verb.add_option("--outliers", options.outlier_distance,
                              "Leave out anchors that lie farther apart than this, in units of the first map"))
       ->type_name("DISTANCE")
-      ->check(CheckPositive);
+      ->check(Within(kPositive));
   auto* fuse =
       needs_join(verb.add_flag("--fuse", options.fuse, "Fuse points that both maps have, and their landmarks"));
   needs_join(verb.add_flag("--no-fuse", options.no_fuse,
@@ -326,13 +174,13 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
       ->excludes(fuse);
   verb.add_option("--fuse-radius", options.fusion.radius, "How far apart fused points may be, in pixels of uncertainty")
       ->type_name("PIXELS")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->capture_default_str()
       ->needs(fuse)
       ->group(kGroup);
   verb.add_option("--fuse-hamming", options.fusion.hamming, "In how many bits their descriptors may differ")
       ->type_name("BITS")
-      ->check(CLI::Range(0, 256).description({}))
+      ->check(Within(kBitsOfDescriptor))
       ->capture_default_str()
       ->needs(fuse)
       ->group(kGroup);

@@ -6,10 +6,13 @@
 #include <memory>
 #include <optional>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/optimize_text.h"
+#include "cli/values.h"
 #include "slamdb/base/error.h"
+#include "slamdb/optimize/warnings.h"
 
 namespace slamdb::cli {
 namespace {
@@ -22,18 +25,12 @@ struct OptimizeVerbOptions {
   std::string constraints;
 };
 
-const std::map<std::string, OptimizeMethod> kMethods = {
-    {"pose-graph", OptimizeMethod::kPoseGraph}, {"seam", OptimizeMethod::kSeam}, {"full", OptimizeMethod::kFull}};
-
 ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
   Notices notices;
   OptimizeOptions optimize = options.optimize;
   for (const std::uint64_t id : options.maps) optimize.maps.emplace_back(id);
   if (!options.constraints.empty()) optimize.constraints = ReadConstraints(options.constraints, &notices);
-  if (!options.constraints.empty() && optimize.constraints.empty())
-    throw Error(ErrorKind::kDamaged, options.constraints, "", "has no constraint");
-  optimize.method =
-      options.method.value_or(optimize.constraints.empty() ? OptimizeMethod::kFull : OptimizeMethod::kPoseGraph);
+  optimize.method = options.method.value_or(UsualMethod(optimize.constraints));
   if (optimize.method == OptimizeMethod::kPoseGraph) {
     if (optimize.constraints.empty()) RefuseUsage("--method pose-graph needs --constraints with a row");
     if (optimize.fix_poses || optimize.fix_points)
@@ -42,14 +39,13 @@ ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
   optimize.threads = console.threads();
   optimize.progress = console.MakeProgress();
   Atlas atlas = ReadInput(options.edit, console, notices);
-  const OptimizeReport report = NamingFile(options.edit.input, [&] { return OptimizeMaps(atlas, optimize); });
-  const auto moved = [](const MapOptimization& map) { return map.bundle || map.pose_graph; };
-  if (std::ranges::none_of(report.maps, moved))
-    throw Error(ErrorKind::kNotPossible, options.edit.input, "",
-                optimize.method == OptimizeMethod::kSeam
-                    ? "has no seam: no merge or loop edge; --method full adjusts all of it"
-                    : "has nothing to optimise");
-  for (const MapOptimization& map : report.maps) WarnOf(map, "--iterations allows more steps", notices);
+  const OptimizeReport report = NamingFile(options.edit.input, [&] {
+    OptimizeReport done = OptimizeMaps(atlas, optimize);
+    RequireOptimized(done);
+    return done;
+  });
+  for (const MapOptimization& map : report.maps)
+    TellWarnings(map, "OptimizeOptions::iterations allows more steps", notices);
   WriteResult(atlas, options.edit, "optimize " + options.edit.input, console, notices);
   return FinishEdit(OptimizeText(report), ToJson(report, FilesOf(options.edit)), options.edit, console, notices);
 }
@@ -63,7 +59,7 @@ Run AddOptimize(CLI::App& verb) {
                   "Bundle adjustment of everything (full, the default) or of the keyframes around merge and loop edges "
                   "(seam), or the constraints alone (pose-graph, the default where there are some)")
       ->type_name("METHOD")
-      ->transform(OneOf(kMethods));
+      ->transform(OneOf(kOptimizeMethods));
   verb.add_option("--map", options->maps, "Optimise only the map of this id; may be given several times")
       ->type_name("ID")
       ->allow_extra_args(false);
@@ -73,7 +69,7 @@ Run AddOptimize(CLI::App& verb) {
       ->type_name("FILE");
   verb.add_option("--iterations", optimize.iterations, "At most so many steps of each of the rounds; 50 by default")
       ->type_name("N")
-      ->check(CheckPositive);
+      ->check(Within(kPositive));
   CLI::Option* poses = verb.add_flag("--fix-poses", optimize.fix_poses, "Move points only");
   verb.add_flag("--fix-points", optimize.fix_points, "Move keyframes only")->excludes(poses);
   return [options](Console& console) { return RunOptimize(*options, console); };

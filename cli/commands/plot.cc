@@ -4,13 +4,14 @@
 #include <filesystem>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/exports.h"
 #include "cli/options.h"
 #include "cli/reference.h"
 #include "cli/report/evaluate_text.h"
-#include "cli/selected.h"
+#include "cli/selection.h"
 #include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
@@ -40,36 +41,28 @@ std::string OutputOf(const PlotVerbOptions& options) {
 }
 
 PlotFormat FormatOf(const PlotVerbOptions& options, const std::string& output) {
-  std::string format = options.format;
-  if (format.empty() && (output == "-" || IsSpecialFile(output))) format = "svg";
-  if (format.empty()) {
-    const std::string suffix = std::filesystem::path(output).extension().string();
-    if (suffix != ".svg" && suffix != ".png")
-      RefuseUsage("a plot is an .svg or a .png, which " + output + " does not say; --format does");
-    format = suffix.substr(1);
-  }
-  return format == "png" ? PlotFormat::kPng : PlotFormat::kSvg;
+  if (options.format.empty()) return PictureFormatOf(output);
+  return kPlotFormats.at(options.format);
 }
 
 // The figures of `slamdb evaluate`, of what is drawn.
 PlotReference HoldAgainstReference(const Atlas& atlas, const Format* format, const PlotVerbOptions& options,
                                    Console& console, Notices& notices) {
-  Trajectories estimate = TrajectoriesOfAtlas(atlas, options.input, format, options.body, notices);
+  Estimates estimate = EstimatesOf(atlas, options.input, format, options.body, notices);
   const TrajectoriesOptions read{.times = options.times,
                                  .body = options.body,
                                  .only_positions = options.evaluation.alignment != AlignmentKind::kOrigin,
                                  .wait = options.wait};
-  Trajectories truth = ReadTrajectoriesOf(options.with, read, console, notices);
+  Estimates truth = ReadTrajectoriesOf(options.with, read, console, notices);
+  RefuseIdleBody(estimate, truth, options.body);
   TellWhosePoses(estimate, truth, options.body, notices);
   Estimate reference = TakeOnly(std::move(truth));
   EvaluationOptions evaluation = options.evaluation;
   evaluation.deltas.clear();  // errors of motions are not drawn
   evaluation.threads = console.threads();
-  EvaluationReport report = NamingFile(
-      options.input, [&] { return EvaluateTrajectories(std::move(estimate.list), reference.poses, evaluation); });
+  EvaluationReport report = EvaluateEstimates(std::move(estimate), reference, evaluation);
   TellWarnings(report, notices);
-  for (const UnevaluatedMap& map : report.unevaluated)
-    notices.Warn(detail::Concat(map.map, ": left out: ", map.reason));
+  TellUnevaluated(report, notices);
   return {std::move(reference.poses), std::move(report), reference.open_scale ? "map units" : "m"};
 }
 
@@ -114,17 +107,16 @@ void BindLook(CLI::App& verb, PlotVerbOptions& options) {
       ->group(kGroup);
   verb.add_option("--format", options.format, "By default as the suffix of the output says")
       ->type_name("FORMAT")
-      ->check(CLI::IsMember({"svg", "png"}))
+      ->check(CLI::IsMember(kPlotFormats))
       ->group(kGroup);
   verb.add_option("--width", options.plot.width, "Pixels; the height follows")
       ->type_name("PIXELS")
-      ->check(CLI::Range(320, 4000).description({}))
+      ->check(Within(kPlotWidth))
       ->capture_default_str()
       ->group(kGroup);
   verb.add_option("--scale", options.plot.scale, "Of a PNG: so many pixels for one of the width")
       ->type_name("FACTOR")
-      ->check(CheckFinite)
-      ->check(CLI::Range(1.0, 4.0).description({}))
+      ->check(Within(kPlotScale))
       ->capture_default_str()
       ->group(kGroup);
   verb.add_flag("--dark", options.plot.dark, "Light ink on a dark page")->group(kGroup);

@@ -4,9 +4,11 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
+#include "cli/values.h"
 #include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/error.h"
 
@@ -19,20 +21,6 @@ struct RenumberVerbOptions {
   std::vector<std::string> kinds;
   std::string id_map, apply, undo, of;
 };
-
-const std::map<std::string, IdOrder> kOrders = {
-    {"id", IdOrder::kId}, {"time", IdOrder::kTime}, {"as-is", IdOrder::kAsIs}};
-
-// The kinds that --kinds names; `all` is every one.
-std::vector<IdKind> KindsOf(const std::vector<std::string>& names) {
-  std::vector<IdKind> kinds;
-  for (const std::string& name : names) {
-    const auto kind = IdKindByName(name);
-    for (std::size_t each = 0; each < kIdKinds; ++each)
-      if (name == "all" || kind == static_cast<IdKind>(each)) kinds.push_back(static_cast<IdKind>(each));
-  }
-  return kinds;
-}
 
 // The ids that --apply or --undo brings.
 IdMap GivenIds(const RenumberVerbOptions& options, Notices& notices) {
@@ -51,7 +39,7 @@ IdMap Change(const RenumberVerbOptions& options, Atlas& atlas, Console& console,
     RenumberOptions renumber = options.renumber;
     renumber.threads = console.threads();
     renumber.progress = console.MakeProgress();
-    if (!options.kinds.empty()) renumber.kinds = KindsOf(options.kinds);
+    if (!options.kinds.empty()) renumber.kinds = IdKindsByName(options.kinds);
     IdMap ids = Renumber(atlas, renumber);
     ids.input = options.edit.input;
     return ids;
@@ -117,7 +105,7 @@ Run AddRenumber(CLI::App& verb) {
       ->delimiter(',')
       ->check(CLI::IsMember({"map", "keyframe", "point", "frame", "camera", "all"}));
   auto* start = verb.add_option("--start", options->renumber.start, "The first of the dense ids")
-                    ->check(CheckNonNegative)
+                    ->check(Within(kNonNegative))
                     ->type_name("ID")
                     ->capture_default_str();
   auto* offset = verb.add_option("--offset", options->renumber.offset, "Add this to every id instead; may be negative")
@@ -127,7 +115,7 @@ Run AddRenumber(CLI::App& verb) {
                                 "Order of dense ids: 'id' keeps that of the old ids, 'time' takes that of the images, "
                                 "'as-is' that of the file's lists")
                     ->type_name("ORDER")
-                    ->transform(OneOf(kOrders))
+                    ->transform(OneOf(kIdOrders))
                     ->excludes(offset);
   Mark(verb.add_option("--id-map", options->id_map, "Write which id became which, as CSV or (.json) JSON"),
        Writes::kFile)

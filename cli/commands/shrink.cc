@@ -3,12 +3,15 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
+#include "cli/values.h"
 #include "slamdb/align/shrink_for_locating.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/part/warnings.h"
 
 namespace slamdb::cli {
 namespace {
@@ -21,10 +24,6 @@ struct ShrinkVerbOptions {
   ShrinkOptions shrink;
   std::string purpose, vocabulary;
 };
-
-// What --for takes.
-const std::map<std::string, bool ShrinkOptions::*> kPurposes = {{"localization", &ShrinkOptions::for_localization},
-                                                                {"mapping", &ShrinkOptions::for_mapping}};
 
 std::string FoundText(const ShrinkReport& report) {
   if (!report.found) return {};
@@ -70,11 +69,11 @@ Run AddShrink(CLI::App& verb) {
   constexpr const char* kGroup = "How small";
   verb.add_option("--target-mb", options->target_megabytes, "At most so many megabytes (1,000,000 bytes) as .osa file")
       ->type_name("MB")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->group(kGroup);
   verb.add_option("--target-keyframes", options->shrink.target_keyframes, "At most so many keyframes")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->group(kGroup);
   verb.add_option("--for", options->purpose,
                   "localization: without features that see no point and IMU measurements; mapping: with them, however "
@@ -87,7 +86,7 @@ Run AddShrink(CLI::App& verb) {
   verb.add_option("--min-points", options->shrink.min_points,
                   "With how many points of a keyframe a camera is found, and a place covered")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->capture_default_str()
       ->group(kGroup);
   return [options](Console& console) { return RunShrink(*options, console); };

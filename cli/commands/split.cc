@@ -6,13 +6,15 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
-#include "cli/output_name.h"
 #include "cli/report/layout.h"
 #include "cli/report/part_text.h"
+#include "cli/values.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
+#include "slamdb/base/output_name.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/names.h"
@@ -25,9 +27,6 @@ struct SplitVerbOptions {
   SplitOptions split;
   Border border = Border::kSmart;
 };
-
-const std::map<std::string, SplitBy> kWays = {
-    {"map", SplitBy::kMap}, {"session", SplitBy::kSession}, {"component", SplitBy::kComponent}};
 
 // `parts/{}.osa` and `out.osa` become `parts/map-3.osa` and `out-map-3.osa`, `lab.db#a` becomes `lab.db#a-map-3`.
 std::string OutputOf(const std::string& pattern, const std::string& part) {
@@ -106,7 +105,7 @@ ExitCode RunSplit(SplitVerbOptions options, Console& console) {
     const Atlas own = TakePart(index, part, options.border, removed, console.threads());
     EditOptions edit = options.edit;
     edit.output = OutputOf(options.edit.output, part.name);
-    edit.inputs = std::make_shared<Inputs>();  // a part may be as empty as its map
+    edit.inputs = std::make_shared<InputSubstance>();  // a part may be as empty as its map
     MakeFolderOf(edit);
     WriteResult(own, edit, "split " + options.edit.input, console, notices);
     taken.push_back({.name = part.name, .output = FilesOf(edit).output, .counts = removed.after});
@@ -128,11 +127,11 @@ Run AddSplit(CLI::App& verb) {
                   "One atlas per map, per session (map that keyframes were made in), or per "
                   "connected part of the covisibility graph")
       ->type_name("PARTS")
-      ->transform(OneOf(kWays))
+      ->transform(OneOf(kSplitWays))
       ->default_str("map");
   verb.add_option("--min-keyframes", options->split.min_keyframes, "Leave out parts with fewer")
       ->type_name("N")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->capture_default_str();
   verb.add_option("--border", options->border, "Points that several parts observe: see 'slamdb extract --help'")
       ->type_name("BORDER")

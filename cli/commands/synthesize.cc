@@ -4,11 +4,13 @@
 #include <map>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
@@ -29,25 +31,6 @@ struct SynthesizeOptions {
   bool are_sessions() const { return overlapping || sessions.look_alike; }
 };
 
-const std::map<std::string, Sensor>& Sensors() {
-  static const std::map<std::string, Sensor> kSensors = {{"monocular", Sensor::kMonocular},
-                                                         {"stereo", Sensor::kStereo},
-                                                         {"rgbd", Sensor::kRgbd},
-                                                         {"fisheye", Sensor::kFisheyeStereo}};
-  return kSensors;
-}
-
-// How many keyframes and points a binary .osa of about `bytes` has.
-void ScaleTo(std::uint64_t bytes, SyntheticOptions& options) {
-  constexpr std::size_t kGridBytes = 64 * 48 * 8;  // a count for each cell
-  constexpr std::size_t kFeatureBytes = 136;       // keypoint twice, descriptor, depth, map point, grid and words
-  constexpr std::size_t kPointBytes = 480;         // with its observations
-  constexpr std::size_t kPointsPerKeyframe = 45;   // which fit into half the features, as a fisheye pair has them
-  const std::size_t keyframe = kGridBytes + options.features * kFeatureBytes + kPointsPerKeyframe * kPointBytes;
-  options.keyframes = std::max<std::size_t>(2, bytes / keyframe / static_cast<std::size_t>(options.maps));
-  options.points = options.keyframes * kPointsPerKeyframe;
-}
-
 // One transform a line: from the frame of each map to its room's.
 std::string TruthOf(const SyntheticSessions& made) {
   std::string text;
@@ -62,7 +45,7 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
   RefuseBadTarget(output, format, options.target);
   RefuseBinaryOnTerminal(output, format);
   SyntheticOptions wanted = options.atlas;
-  wanted.sensor = Sensors().at(options.sensor);
+  wanted.sensor = kSensors.at(options.sensor);
   wanted.threads = console.threads();
   wanted.progress = console.MakeProgress();
   if (options.size > 0) ScaleTo(options.size, wanted);
@@ -90,7 +73,7 @@ ExitCode RunSynthesize(const SynthesizeOptions& options, Console& console) {
 CLI::Option* AddShare(CLI::App& verb, const char* name, double& value, const char* description, const char* group) {
   return verb.add_option(name, value, description)
       ->type_name("SHARE")
-      ->check(CLI::Range(0.0, 1.0).description({}))
+      ->check(Within(kShare))
       ->capture_default_str()
       ->group(group);
 }
@@ -120,7 +103,7 @@ Run AddSynthesize(CLI::App& verb) {
   const auto options = std::make_shared<SynthesizeOptions>();
   SyntheticOptions& atlas = options->atlas;
   std::vector<std::string> sensors;
-  for (const auto& [name, sensor] : Sensors()) sensors.push_back(name);
+  for (const auto& [name, sensor] : kSensors) sensors.push_back(name);
   AddOutputPlace(verb, options->output, Writes::kAtlas, kWhereTo);
   AddTarget(verb, options->target);
   constexpr const char* kGroup = "The atlas";
@@ -133,18 +116,18 @@ Run AddSynthesize(CLI::App& verb) {
   const auto number = [&](const char* name, auto& value, const char* description) {
     return verb.add_option(name, value, description)->type_name("N")->capture_default_str()->group(kGroup);
   };
-  number("--maps", atlas.maps, "How many maps")->check(CLI::Range(1, 10000).description({}));
+  number("--maps", atlas.maps, "How many maps")->check(Within(kMapsMade));
   CLI::Option* keyframes = number("--keyframes", atlas.keyframes, "Keyframes in each map");
   CLI::Option* points = number("--points", atlas.points, "Points in each map");
   number("--features", atlas.features, "Keypoints in each keyframe, at most");
   verb.add_option("--noise", atlas.pixel_noise, "Standard deviation of keypoints, in pixels")
       ->type_name("PIXELS")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->capture_default_str()
       ->group(kGroup);
   AddShare(verb, "--outliers", atlas.outliers, "Of the keypoints of points, how many show something else", kGroup);
   number("--flipped-bits", atlas.flipped_bits, "Bits at most in which a look at a point differs from its descriptor")
-      ->check(CLI::Range(0, 256).description({}));
+      ->check(Within(kBitsOfDescriptor));
   number("--seed", atlas.seed, "Another number, another atlas");
   verb.add_option("--vocabulary", options->vocabulary,
                   "Make the words of this vocabulary file, so that a SLAM system that has it can load the atlas; by "

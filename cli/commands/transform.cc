@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/reference.h"
@@ -33,11 +34,6 @@ struct TransformVerbOptions {
   std::vector<std::uint64_t> maps;
 };
 
-const std::map<std::string, std::optional<UpMethod>> kUpMethods = {{"auto", std::nullopt},
-                                                                   {"inertia", UpMethod::kInertia},
-                                                                   {"cameras", UpMethod::kCameras},
-                                                                   {"path", UpMethod::kPath}};
-
 // Options that would be without effect.
 void RefuseIdleOptions(const TransformVerbOptions& options) {
   if (!options.onto.empty() || !options.georeference.empty()) return;
@@ -60,22 +56,21 @@ FitOptions FitOf(const TransformVerbOptions& options) {
   return fit;
 }
 
-// A table, or a database of RTAB-Map.
-std::vector<GpsFix> FixesOf(const TransformVerbOptions& options, Notices& notices) {
-  const Format* format = FindFormatOfInput(Location(options.georeference, {}));
-  if (format != nullptr && format->id == "rtabmap") return ReadRtabmapFixes(Location(options.georeference, {}));
-  return ReadFixes(options.georeference, {.time_unit = options.times.ForReading().time_unit}, &notices);
-}
-
 Destination DestinationOf(const TransformVerbOptions& options, Console& console, Notices& notices) {
   if (!options.by.empty()) return ReadSimilarity(options.by);
   if (options.scale) return Similarity3d{.scale = *options.scale};
   if (!options.axes.empty()) return Similarity3d{.rotation = ParseAxes(options.axes)};
   if (!options.gravity.empty()) return TurnUpright{kUpMethods.at(options.gravity)};
   if (!options.onto.empty())
-    return OntoTrajectory{ReadReference(options.onto, options.times, options.body, options.edit.wait, console, notices),
-                          FitOf(options)};
-  OntoEarth earth{.fixes = FixesOf(options, notices), .fit = FitOf(options)};
+    return OntoTrajectory{
+        PositionsOf(ReadTrajectoriesOf(
+            options.onto,
+            {.times = options.times, .body = options.body, .only_positions = true, .wait = options.edit.wait}, console,
+            notices)),
+        FitOf(options)};
+  OntoEarth earth{
+      .fixes = ReadRecordedFixes(options.georeference, {.time_unit = options.times.ForReading().time_unit}, &notices),
+      .fit = FitOf(options)};
   if (!options.origin.empty()) earth.origin = ParseGeodetic(options.origin);
   return earth;
 }
@@ -136,10 +131,7 @@ ExitCode RunTransform(const TransformVerbOptions& options, Console& console) {
   Atlas atlas = ReadInput(options.edit, console, notices);
   SideFile georeference(PathOfOrigin(options, notices), options.edit);
   const TransformReport report = NamingFile(options.edit.input, [&] { return TransformAtlas(atlas, transform); });
-  for (const MovedMap& moved : report.maps) {
-    for (const std::string& warning : moved.warnings) notices.Warn(ToString(moved.map) + ": " + warning);
-    for (const std::string& loss : moved.losses) notices.Lose(ToString(moved.map) + ": " + loss);
-  }
+  TellWarnings(report, notices);
   const std::string json = ToJson(report, FilesOf(options.edit));
   georeference.Write(json);
   WriteResult(atlas, options.edit, "transform " + options.edit.input, console, notices, &georeference);
@@ -185,18 +177,18 @@ void BindAlignment(CLI::App& verb, TransformVerbOptions& options) {
   verb.add_option("--max-dt", options.max_dt,
                   "Seconds that a keyframe and a position may be apart: 0.02 for trajectories, 1 for GPS by default")
       ->type_name("SECONDS")
-      ->check(CheckNonNegative)
+      ->check(Within(kNonNegative))
       ->group(kGroup);
   verb.add_option("--robust", options.robust,
                   "Leave out pairs that end up farther apart than this, in metres; by default only gross outliers are, "
                   "and inf keeps all")
       ->type_name("DISTANCE")
-      ->check(CheckPositive)
+      ->check(Within(kPositive))
       ->group(kGroup);
   CLI::Option* offset = verb.add_option("--time-offset", options.time_offset,
                                         "Seconds that the clock of the reference is ahead of the map's")
                             ->type_name("SECONDS")
-                            ->check(CheckFinite)
+                            ->check(Within(kFinite))
                             ->group(kGroup);
   verb.add_flag("--estimate-time-offset", options.estimate_time_offset,
                 "Find the time offset under which speeds and paths agree best")

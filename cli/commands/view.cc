@@ -9,20 +9,18 @@
 #include <filesystem>
 #include <memory>
 
+#include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/exports.h"
 #include "cli/guard.h"
 #include "cli/options.h"
-#include "cli/output_name.h"
 #include "cli/page_server.h"
-#include "cli/report/info_text.h"
 #include "cli/report/layout.h"
-#include "cli/selected.h"
+#include "cli/selection.h"
 #include "cli/words.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/info.h"
 #include "slamdb/many/names.h"
 #include "slamdb/view/page.h"
 
@@ -39,11 +37,6 @@ struct ViewVerbOptions {
   double wait = kUsualWait;
 };
 
-const std::map<std::string, ViewKeypoints> kKeypoints = {{"auto", ViewKeypoints::kAuto},
-                                                         {"all", ViewKeypoints::kAll},
-                                                         {"matched", ViewKeypoints::kMatched},
-                                                         {"none", ViewKeypoints::kNone}};
-
 // Where the page goes; empty: nowhere, it is served.
 std::string OutputOf(const ViewVerbOptions& options) {
   if (!options.output.empty()) RequirePageName(options.output);
@@ -54,29 +47,6 @@ std::string OutputOf(const ViewVerbOptions& options) {
   std::string page = stem + ".html";
   GuardDefaultName(page);
   return page;
-}
-
-// What `slamdb info` says, for the panel.
-std::vector<ViewFact> FactsOf(const AtlasInfo& info) {
-  std::vector<ViewFact> facts;
-  for (const InfoSection& section : InfoSections(info)) {
-    if (!section.heading.label.empty()) facts.push_back({section.heading.label, section.heading.value});
-    for (const InfoRow& row : section.rows) facts.push_back({row.label, row.value});
-  }
-  return facts;
-}
-
-// An atlas of the command line, as the page is told of it.
-ViewInput InputOf(const std::string& path, const Atlas& atlas, const Format& format) {
-  const auto facts = [&atlas, path, &format](const AtlasStatistics& statistics) {
-    AtlasInfo info = InfoOf(atlas, format, path);
-    info.statistics = statistics;
-    return FactsOf(info);
-  };
-  return {.atlas = &atlas,
-          .name = std::filesystem::path(path).filename().string(),
-          .format = std::string(format.title),
-          .facts = facts};
 }
 
 struct ReadInputs {
@@ -98,7 +68,7 @@ ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& no
     if (read.format.empty()) read.custom_format = format;  // told once
     read.selection = ParseSelection(options.selection, held, read);
     result.atlases.push_back(ReadPartToShow(path, held, read, notices));  // throws where nothing tells the format
-    result.inputs.push_back(InputOf(path, result.atlases.back(), *format));
+    result.inputs.push_back(ViewInputOf(result.atlases.back(), path, format, InCommandWords));
   }
   return result;
 }
@@ -219,7 +189,7 @@ void AddPageOptions(CLI::App& verb, ViewVerbOptions& options) {
   verb.add_option("--keypoints", options.page.keypoints,
                   "Keypoints to put into it; auto: all, or those that see a point, or none, as there is room for")
       ->type_name("WHICH")
-      ->transform(OneOf(kKeypoints))
+      ->transform(OneOf(kViewKeypoints))
       ->default_str("auto")
       ->group(kGroup);
   verb.add_flag("--normals", options.page.normals, "With the normals of points")->group(kGroup);

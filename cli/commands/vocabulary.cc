@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/dbow2/vocabulary.h"
 
-#include <filesystem>
 #include <memory>
 
 #include "cli/batch.h"
@@ -10,18 +9,17 @@
 #include "cli/input_errors.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
-#include "slamdb/base/detail/json.h"
-#include "slamdb/base/detail/recognize.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/words/words.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/vocabularies.h"
+#include "slamdb/many/names.h"
 
 namespace slamdb::cli {
 namespace {
 
 using detail::Visible;
-using nlohmann::ordered_json;
 
 struct ShowVocabularyOptions {
   InputOptions inputs;
@@ -34,10 +32,10 @@ struct VerifyOptions {
 };
 
 struct SetOptions {
-  std::string input, output, vocabulary, name, checksum;
+  std::string input, output;
+  StampOptions stamp;
   InputFormat from;
   TargetOptions target;
-  bool force = false;
 };
 
 struct RecomputeOptions {
@@ -48,37 +46,7 @@ struct RecomputeOptions {
 
 // ---- show
 
-// What an atlas refers to, or what a vocabulary file is.
-struct Shown {
-  Vocabulary vocabulary;
-  std::optional<VocabularyFile> file;
-};
-
-ReadOptions WithoutFeatures(ReadOptions read) {
-  read.needs = Content::kBagOfWords;
-  read.features = FeatureColumns::kNone;
-  return read;
-}
-
-// A folder is neither an atlas nor a vocabulary file, and reading it as an atlas says best what it is.
-bool IsAtlas(const HeldSource& held, const ReadOptions& read) {
-  return !read.format.empty() || std::filesystem::is_directory(held.source().path) ||
-         FindFormatOfInput(held) != nullptr;
-}
-
-Shown ShowOne(const std::string& path, const ReadOptions& read, Notices& notices) {
-  const Location location(path);
-  const HeldSource held({location.path, location.name}, [](const Probe& beginning) {
-    detail::RefuseOther(beginning, "an atlas or a vocabulary", {"archive", "gzip", "vocabulary", "binary-vocabulary"});
-  });
-  if (IsAtlas(held, read))
-    return {.vocabulary = ReadAtlas(held, WithoutFeatures(read), &notices).vocabulary, .file = {}};
-  const VocabularyFile file = ReadVocabularyFile(held.source());
-  if (file.identity.checksum == kChecksumOfNothing) throw Error(ErrorKind::kDamaged, path, "", "is empty");
-  return {.vocabulary = file.identity, .file = file};
-}
-
-std::string ShownText(const Outcome<Shown>& outcome) {
+std::string ShownText(const Outcome<ShownVocabulary>& outcome) {
   const Vocabulary& vocabulary = outcome.result.vocabulary;
   std::string text = Visible(outcome.path) + "\n  name       " + Visible(vocabulary.name) + "\n  checksum   " +
                      Visible(vocabulary.checksum) + "\n";
@@ -91,52 +59,31 @@ std::string ShownText(const Outcome<Shown>& outcome) {
          shape->scoring + "\n";
 }
 
-ordered_json VocabularyJson(const Vocabulary& vocabulary) {
-  return {{"name", vocabulary.name}, {"checksum", vocabulary.checksum}};
-}
-
-ordered_json ShownJson(const Outcome<Shown>& outcome) {
-  const Vocabulary& vocabulary = outcome.result.vocabulary;
-  ordered_json json = {{"input", outcome.path},
-                       {"kind", outcome.result.file ? "vocabulary" : "atlas"},
-                       {"vocabulary", VocabularyJson(vocabulary)}};
-  const auto& file = outcome.result.file;
-  if (const auto& shape = file ? file->shape : std::nullopt)
-    json["shape"] = {{"words", shape->words},
-                     {"branching", shape->branching},
-                     {"depth", shape->depth},
-                     {"weighting", shape->weighting},
-                     {"scoring", shape->scoring}};
-  return json;
-}
-
 ExitCode RunShow(const ShowVocabularyOptions& options, Console& console) {
-  const auto outcomes = ForEachInput<Shown>(
-      options.inputs, console,
-      [&](const std::string& path, const ReadOptions& read, Notices& notices) { return ShowOne(path, read, notices); });
-  ordered_json report = ordered_json::array();
+  const auto outcomes = ForEachInput<ShownVocabulary>(
+      options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
+        return ShowVocabulary(path, read, notices);
+      });
+  std::vector<ShownVocabulary> shown;
   for (const auto& outcome : outcomes) {
     if (!outcome.ok()) continue;
-    if (options.json) report.push_back(ShownJson(outcome));
+    shown.push_back(outcome.result);
     if (!options.json) console.Print(ShownText(outcome));
   }
-  if (options.json) {
-    ordered_json json = detail::ReportHead("vocabulary");
-    json["inputs"] = std::move(report);
-    console.PrintData(detail::JsonText(json));
-  }
+  if (options.json) console.PrintData(ToJson(shown));
   return ReportOutcomes(outcomes, console);
 }
 
 // ---- verify
 
 ExitCode RunVerify(const VerifyOptions& options, Console& console) {
-  const VocabularyFile file = ReadVocabularyFile(options.vocabulary);
-  if (!file.other.empty()) throw Error(ErrorKind::kUnsupported, options.vocabulary, "", file.other);
-  const Vocabulary& wanted = file.identity;
+  const Vocabulary wanted = ReadVocabularyIdentity(options.vocabulary);
   const auto outcomes = ForEachInput<Vocabulary>(
       options.inputs, console, [&](const std::string& path, const ReadOptions& read, Notices& notices) {
-        return ReadAtlas(path, WithoutFeatures(read), &notices).vocabulary;
+        ReadOptions names = read;
+        names.needs = Content::kBagOfWords;
+        names.features = FeatureColumns::kNone;
+        return ReadAtlas(path, names, &notices).vocabulary;
       });
   ExitCode code = ReportOutcomes(outcomes, console);
   for (const auto& outcome : outcomes) {
@@ -151,21 +98,9 @@ ExitCode RunVerify(const VerifyOptions& options, Console& console) {
 
 // ---- set
 
-Vocabulary WantedVocabulary(const SetOptions& options, const Vocabulary& found) {
-  Vocabulary wanted = found;
-  if (!options.vocabulary.empty()) {
-    const VocabularyFile file = ReadVocabularyFile(options.vocabulary);
-    if (!file.other.empty() && !options.force)
-      throw Error(ErrorKind::kUnsupported, options.vocabulary, "", file.other + " (--force stamps it all the same)");
-    wanted = file.identity;
-  }
-  if (!options.name.empty()) wanted.name = options.name;
-  if (!options.checksum.empty()) wanted.checksum = options.checksum;
-  return wanted;
-}
-
 ExitCode RunSet(const SetOptions& options, Console& console) {
-  if (options.vocabulary.empty() && options.name.empty() && options.checksum.empty())
+  const StampOptions& stamp = options.stamp;
+  if (stamp.vocabulary.empty() && stamp.name.empty() && stamp.checksum.empty())
     RefuseUsage("nothing to do: give --vocabulary, or --name and --checksum");
   RequireOutput(options.output);
   const Location input(options.input), output(NamedOutput(options.input, options.output, options.target.to));
@@ -176,7 +111,7 @@ ExitCode RunSet(const SetOptions& options, Console& console) {
   ReadOptions read = MakeReadOptions(console, options.from);
   read.needs = Content::kBagOfWords;
   Atlas atlas = ReadAtlas(input, read, &notices);
-  atlas.vocabulary = WantedVocabulary(options, atlas.vocabulary);
+  StampVocabulary(atlas, stamp);
   WriteOptions write = MakeWriteOptions(console, options.target, "vocabulary set " + options.input);
   write.format = FormatToWrite(atlas, output, options.target.to);
   WriteAtlas(atlas, output, write, &notices);
@@ -212,16 +147,6 @@ ExitCode RunRecompute(const RecomputeOptions& options, Console& console) {
 
 // ---- options
 
-std::string CheckMd5(const std::string& text) {
-  if (text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos) return {};
-  return "expected 32 hexadecimal digits in lower case, found '" + text + "'";
-}
-
-std::string CheckName(const std::string& text) {
-  const std::string_view problem = detail::ProblemOfName(text);
-  return problem.empty() ? std::string() : "the name " + std::string(problem);
-}
-
 Run BindShow(CLI::App& verb) {
   const auto options = std::make_shared<ShowVocabularyOptions>();
   AddInputs(verb, options->inputs, "An atlas, or a vocabulary file");
@@ -242,11 +167,18 @@ Run BindSet(CLI::App& verb) {
   const auto options = std::make_shared<SetOptions>();
   verb.add_option("INPUT", options->input, "The atlas")->type_name("FILE")->required();
   AddOutputPlace(verb, options->output, Writes::kAtlas, "The copy to write");
-  CLI::Option* file = verb.add_option("--vocabulary", options->vocabulary, "Stamp the name and checksum of this file")
-                          ->type_name("FILE");
-  verb.add_option("--name", options->name, "Stamp this name")->type_name("NAME")->check(CheckName)->excludes(file);
-  verb.add_option("--checksum", options->checksum, "Stamp this MD5")->type_name("MD5")->check(CheckMd5)->excludes(file);
-  verb.add_flag("--force", options->force, "Stamp also what is no vocabulary");
+  CLI::Option* file =
+      verb.add_option("--vocabulary", options->stamp.vocabulary, "Stamp the name and checksum of this file")
+          ->type_name("FILE");
+  verb.add_option("--name", options->stamp.name, "Stamp this name")
+      ->type_name("NAME")
+      ->check(WhyNoVocabularyName)
+      ->excludes(file);
+  verb.add_option("--checksum", options->stamp.checksum, "Stamp this MD5")
+      ->type_name("MD5")
+      ->check(WhyNoChecksum)
+      ->excludes(file);
+  verb.add_flag("--force", options->stamp.force, "Stamp also what is no vocabulary");
   AddFrom(verb, options->from);
   AddTarget(verb, options->target);
   return [options](Console& console) { return RunSet(*options, console); };

@@ -65,8 +65,6 @@ std::string LinkText(const MapLink& link, const std::vector<MapName>& names, con
 
 }  // namespace
 
-std::string NameText(const MapName& name) { return name.input + " " + ToString(name.map); }
-
 std::string AlignText(const AlignedMaps& aligned, const std::vector<MapName>& names, const std::vector<bool>& metric) {
   std::string text;
   for (const MapLink& link : aligned.links) text += LinkText(link, names, metric);

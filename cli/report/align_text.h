@@ -19,7 +19,4 @@ std::string UnlikeText(const SearchedStore& store);
 // What tightening the joined maps came to: a block for each round.
 std::string OptimizedJoinText(const std::vector<OptimizedJoin>& rounds);
 
-// One name for each map of the list, as texts have it: `session_b.osa map 0`.
-std::string NameText(const MapName& name);
-
 }  // namespace slamdb::cli

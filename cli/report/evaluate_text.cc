@@ -7,6 +7,7 @@
 #include "cli/report/layout.h"
 #include "cli/report/similarity.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/many/estimates.h"
 
 namespace slamdb::cli {
 namespace {
@@ -109,13 +110,6 @@ std::string TextOf(const TrajectoryEvaluation& evaluation, bool in_full) {
 
 }  // namespace
 
-std::string MapsText(const TrajectoryEvaluation& evaluation) {
-  std::string text;
-  for (const MapId map : evaluation.maps) text += (text.empty() ? "" : ", ") + std::to_string(map.value());
-  if (text.empty()) return text;
-  return (evaluation.maps.size() == 1 ? "map " : "maps ") + text;
-}
-
 std::string EvaluateText(const EvaluationReport& report, bool in_full) {
   std::string text;
   for (const TrajectoryEvaluation& evaluation : report.evaluations)
@@ -124,13 +118,6 @@ std::string EvaluateText(const EvaluationReport& report, bool in_full) {
     text +=
         "\n" + (map.map ? ToString(map.map) : std::string("a trajectory")) + "\n  not evaluated: " + map.reason + "\n";
   return text;
-}
-
-void TellWarnings(const EvaluationReport& report, Notices& notices) {
-  for (const TrajectoryEvaluation& evaluation : report.evaluations) {
-    const std::string maps = MapsText(evaluation);
-    for (const std::string& warning : evaluation.warnings) notices.Warn((maps.empty() ? "" : maps + ": ") + warning);
-  }
 }
 
 }  // namespace slamdb::cli

@@ -55,11 +55,6 @@ std::string Percent(std::uint64_t part, std::uint64_t whole) {
   return percent < 1 ? "< 1%" : std::to_string(static_cast<int>(percent + 0.5)) + "%";
 }
 
-std::string DatedDuration(double begin, double end) {
-  const std::string date = DateText(begin);
-  return DurationText(end - begin) + (date.empty() ? "" : " from " + date);
-}
-
 std::string Wrapped(std::string_view text, std::size_t indent, std::size_t width) {
   std::string out;
   std::string paragraph;

@@ -11,6 +11,7 @@
 
 namespace slamdb::cli {
 
+using detail::DatedDuration;
 using detail::DateText;
 using detail::DurationText;
 using detail::HumanBytes;
@@ -30,9 +31,6 @@ std::string Percent(std::uint64_t part, std::uint64_t whole);
 
 // A number in at most `digits` significant digits, without trailing zeros and locale.
 std::string Short(double number, int digits = 4);
-
-// "17.9 s", with the date of the beginning where times tell one: "17.9 s from 2014-06-24 19:02:59 UTC".
-std::string DatedDuration(double begin, double end);
 
 // Breaks text into lines of at most `width` columns, each after `indent` spaces; an empty line separates paragraphs.
 // Lines that start with a space are kept as they are. Ends with a line feed unless the text is empty.

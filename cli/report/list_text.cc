@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 
 #include "cli/report/layout.h"
 #include "cli/words.h"
@@ -61,29 +60,29 @@ std::string Text(const ListedAtlas& atlas) {
 
 struct Column {
   ListKey key;
-  std::string_view word, heading;
+  std::string_view heading;
   Table::Align align;
   std::string (*text)(const ListedAtlas&);
   bool of_failed = false;  // known of one that could not be read, too
 };
 
 constexpr std::array kColumns = {
-    Column{ListKey::kName, "name", "NAME", kLeft, Text<&ListedAtlas::name>, true},
-    Column{ListKey::kInput, "input", "ATLAS", kLeft, Text<&ListedAtlas::input>, true},
-    Column{ListKey::kMaps, "maps", "MAPS", kRight, CountText<&AtlasSummary::maps>},
-    Column{ListKey::kSensor, "sensor", "SENSOR", kLeft, SensorsText},
-    Column{ListKey::kKeyframes, "keyframes", "KEYFRAMES", kRight, CountText<&AtlasSummary::keyframes>},
-    Column{ListKey::kPoints, "points", "POINTS", kRight, CountText<&AtlasSummary::points>},
-    Column{ListKey::kObservations, "observations", "OBSERVATIONS", kRight, CountText<&AtlasSummary::observations>},
-    Column{ListKey::kLandmarks, "landmarks", "LANDMARKS", kRight, CountText<&AtlasSummary::landmarks>},
-    Column{ListKey::kLength, "length", "LENGTH", kRight, LengthText},
-    Column{ListKey::kSpan, "span", "SPAN", kRight, SpanText},
-    Column{ListKey::kDate, "date", "DATE (UTC)", kLeft, BeginText},
-    Column{ListKey::kSize, "size", "SIZE", kRight, SizeText, true},
-    Column{ListKey::kFormat, "format", "FORMAT", kLeft, Text<&ListedAtlas::format>, true},
-    Column{ListKey::kRevision, "revision", "REVISION", kRight, RevisionText},
-    Column{ListKey::kSaved, "saved", "SAVED", kLeft, Text<&ListedAtlas::saved_at>, true},
-    Column{ListKey::kVerdict, "verdict", "VERDICT", kLeft, Text<&ListedAtlas::verdict>, true},
+    Column{ListKey::kName, "NAME", kLeft, Text<&ListedAtlas::name>, true},
+    Column{ListKey::kInput, "ATLAS", kLeft, Text<&ListedAtlas::input>, true},
+    Column{ListKey::kMaps, "MAPS", kRight, CountText<&AtlasSummary::maps>},
+    Column{ListKey::kSensor, "SENSOR", kLeft, SensorsText},
+    Column{ListKey::kKeyframes, "KEYFRAMES", kRight, CountText<&AtlasSummary::keyframes>},
+    Column{ListKey::kPoints, "POINTS", kRight, CountText<&AtlasSummary::points>},
+    Column{ListKey::kObservations, "OBSERVATIONS", kRight, CountText<&AtlasSummary::observations>},
+    Column{ListKey::kLandmarks, "LANDMARKS", kRight, CountText<&AtlasSummary::landmarks>},
+    Column{ListKey::kLength, "LENGTH", kRight, LengthText},
+    Column{ListKey::kSpan, "SPAN", kRight, SpanText},
+    Column{ListKey::kDate, "DATE (UTC)", kLeft, BeginText},
+    Column{ListKey::kSize, "SIZE", kRight, SizeText, true},
+    Column{ListKey::kFormat, "FORMAT", kLeft, Text<&ListedAtlas::format>, true},
+    Column{ListKey::kRevision, "REVISION", kRight, RevisionText},
+    Column{ListKey::kSaved, "SAVED", kLeft, Text<&ListedAtlas::saved_at>, true},
+    Column{ListKey::kVerdict, "VERDICT", kLeft, Text<&ListedAtlas::verdict>, true},
 };
 
 const Column& ColumnOf(ListKey key) { return *std::ranges::find(kColumns, key, &Column::key); }
@@ -144,18 +143,6 @@ std::size_t RoomFor(const Table& table, std::size_t columns) {
 
 }  // namespace
 
-std::vector<std::string> ListKeyWords() {
-  std::vector<std::string> words;
-  for (const Column& column : kColumns) words.emplace_back(column.word);
-  return words;
-}
-
-ListKey ListKeyOf(std::string_view word) {
-  const auto found = std::ranges::find(kColumns, word, &Column::word);
-  if (found == kColumns.end()) throw std::out_of_range(std::string(word));
-  return found->key;
-}
-
 std::vector<ListKey> UsualColumns(std::span<const ListedAtlas> atlases) {
   const bool of_store = AreOfOneStore(atlases);
   const auto some = [&](const auto& has) { return std::ranges::any_of(atlases, has); };
@@ -181,7 +168,7 @@ std::string ListText(std::span<const ListedAtlas> atlases, std::vector<ListKey> 
     if (column == columns.end()) continue;
     table.Drop(static_cast<std::size_t>(column - columns.begin()));
     columns.erase(column);
-    left_out.append(left_out.empty() ? "" : ", ").append(ColumnOf(least).word);
+    left_out.append(left_out.empty() ? "" : ", ").append(NameOf(least));
   }
   if (const std::size_t room = RoomFor(table, columns.size()); width && room > *width) {
     const std::size_t name = table.WidthOf(0), excess = room - *width;

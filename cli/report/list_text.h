@@ -5,18 +5,12 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "slamdb/many/list.h"
 
 // The table of `slamdb list`.
 namespace slamdb::cli {
-
-// Words for the columns, which are what lists are sorted by too: `name`, `span`, ...
-std::vector<std::string> ListKeyWords();
-// Throws std::out_of_range for a word that is none.
-ListKey ListKeyOf(std::string_view word);
 
 // What is worth showing of these: no column that says nothing here. Atlases of one store go by their name, others by
 // the whole of what they are called.

@@ -66,13 +66,6 @@ void AddBundle(const BundleReport& bundle, Rows& rows) {
                                 StepsText(bundle.iterations, bundle.converged) + ", " + bundle.solver);
 }
 
-bool IsHalfOpen(const PoseGraphReport& graph) {
-  const auto open = [](double before, double after, double least) { return before > least && 2 * after > before; };
-  return open(graph.gap_before.translation, graph.gap_after.translation, 1e-3) ||
-         open(graph.gap_before.degrees, graph.gap_after.degrees, 0.5) ||
-         open(graph.gap_before.scale, graph.gap_after.scale, 0.01);
-}
-
 }  // namespace
 
 std::string OptimizeText(const OptimizeReport& report) {
@@ -88,17 +81,6 @@ std::string OptimizeText(const OptimizeReport& report) {
     text += table.ToString();
   }
   return text;
-}
-
-void WarnOf(const MapOptimization& map, const std::string& remedy, Notices& notices) {
-  const std::string name = ToString(map.map) + ": ";
-  if (map.pose_graph && !map.pose_graph->converged) notices.Warn(name + "the pose graph has not settled; " + remedy);
-  if (map.pose_graph && IsHalfOpen(*map.pose_graph))
-    notices.Warn(name + "the constraints are met by less than half; the map's own edges hold it back");
-  if (!map.bundle) return;
-  for (const std::string& warning : map.bundle->warnings) notices.Warn(name + warning);
-  if (map.bundle->iterations > 0 && !map.bundle->converged)
-    notices.Warn(name + "bundle adjustment has not settled; " + remedy);
 }
 
 }  // namespace slamdb::cli

@@ -47,14 +47,6 @@ std::string PartText(const SubsetReport& removed) {
   return text + cut.ToString("cut ") + chosen.ToString("chose ");
 }
 
-void WarnOfPoorCoverage(const Coverage& coverage, Notices& notices) {
-  if (!coverage.poor()) return;
-  notices.Warn(
-      "only " + Grouped(coverage.covered) + " of " + Counted(coverage.covered_before, "place") +
-      " that the atlas covers are left, less than 80%: from the others a camera will not be localised; keep more "
-      "keyframes");
-}
-
 std::string CoverageText(const Coverage& coverage) {
   return "covers " + Share(coverage.covered, coverage.places, "place") + " (" +
          Percent(coverage.covered, coverage.places) + ") with " + std::to_string(coverage.min_points) +

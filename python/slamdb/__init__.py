@@ -11,8 +11,9 @@ gives it new memory; arrays taken before keep showing the old one, and writing t
 Threads may read one atlas at the same time. The live map (slamdb::live) is for C++ alone.
 """
 
-from ._slamdb import NONE, Atlas, Features, KeyFrame, KeyFrames, Map, MapPoint, Points
+from ._slamdb import NONE, Atlas, Edit, Features, Journal, KeyFrame, KeyFrames, Landmarks, Map, MapPoint, Points
 from ._slamdb import version as __version__
+from .aligning import align, locate, merge
 from .errors import (
     AccessDeniedError,
     AlreadyExistsError,
@@ -28,14 +29,35 @@ from .errors import (
     UnsupportedError,
     UsageError,
 )
-from .files import decode, encode, info, read, write
+from .evaluating import evaluate
+from .features import FeatureArrays
+from .files import encode, info, read, write
+from .frames import transform
+from .graphs import Connections
+from .ids import reassign_origin, renumber
+from .imu import ImuArrays
+from .landmarks import landmarks_from_points, landmarks_to_points
+from .layouts import layouts_from_source, layouts_infer, layouts_list, layouts_show
+from .many import FoundAtlas, find_atlases, list_atlases, summarize, write_file
+from .notebook import View, view
 from .observations import Observations
+from .optimizing import close_loops, optimize
+from .outputs import Page, convert, plot, report, synthesize
+from .parts import cull, extract, fragments, shrink, split
 from .report import CheckReport, Report
-from .verbs import check, diff, merge, recover, repair
+from .store import Store
+from .verbs import check, diff, edit_tables, recover, repair
+from .vocabulary import vocabulary_recompute, vocabulary_set, vocabulary_show, vocabulary_verify
 
 __all__ = [
-    "NONE", "Atlas", "Features", "KeyFrame", "KeyFrames", "Map", "MapPoint", "Points",
+    "NONE", "Atlas", "Edit", "FeatureArrays", "Features", "ImuArrays", "Journal", "KeyFrame", "KeyFrames", "Landmarks", "Map",
+    "MapPoint", "Points",
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
-    "CheckReport", "Observations", "Report", "check", "decode", "diff", "encode", "info", "merge", "read", "recover", "repair", "write",
+    "CheckReport", "Connections", "FoundAtlas", "Observations", "Page", "Report", "Store", "View",
+    "encode", "find_atlases", "info", "list_atlases", "read", "summarize", "view", "write", "write_file",
+    "align", "check", "close_loops", "convert", "cull", "diff", "edit_tables", "evaluate", "extract", "fragments",
+    "landmarks_from_points", "landmarks_to_points", "layouts_from_source", "layouts_infer", "layouts_list", "layouts_show",
+    "locate", "merge", "optimize", "plot", "reassign_origin", "recover", "renumber", "repair", "report", "shrink", "split",
+    "synthesize", "transform", "vocabulary_recompute", "vocabulary_set", "vocabulary_show", "vocabulary_verify",
 ]  # fmt: skip

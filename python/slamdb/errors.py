@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What goes wrong: one exception for each kind of error of the library, all of them slamdb.Error."""
 
-from typing import Dict, Type
+import errno
+import os
+from typing import Any, Dict, Tuple, Type
 
 from .words import in_python_words
 
@@ -17,23 +19,44 @@ class Error(Exception):
         self.place = place
         self.problem = problem
 
+    def __str__(self) -> str:
+        return str(self.args[0])
 
-class NotFoundError(Error, FileNotFoundError):
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return type(self), (self.problem, self.path, self.place)
+
+
+class _SystemError(Error, OSError):
+    """What the system says, with the members of an OSError: `errno`, `strerror`, `filename`."""
+
+    _errno = 0
+
+    def __init__(self, problem: str = "", path: str = "", place: str = "") -> None:
+        super().__init__(problem, path, place)
+        self.errno = self._errno
+        self.strerror = os.strerror(self._errno)
+        self.filename = path or None
+
+
+class NotFoundError(_SystemError, FileNotFoundError):
     """No such file, atlas of a store, or entity."""
 
     kind = "not found"
+    _errno = errno.ENOENT
 
 
-class AlreadyExistsError(Error, FileExistsError):
+class AlreadyExistsError(_SystemError, FileExistsError):
     """The output is there, and `overwrite=True` was not given."""
 
     kind = "already exists"
+    _errno = errno.EEXIST
 
 
-class AccessDeniedError(Error, PermissionError):
+class AccessDeniedError(_SystemError, PermissionError):
     """The system denies it."""
 
     kind = "permission"
+    _errno = errno.EACCES
 
 
 class DamagedError(Error):
@@ -90,8 +113,12 @@ def make_error(kind: str, path: str, place: str, problem: str) -> Error:
 
 
 class SlamdbWarning(UserWarning):
-    """The result may not be what one expects."""
+    """The result may not be what one expects. It is there when the warning is given, also where a filter raises it."""
 
 
 class LossWarning(SlamdbWarning):
-    """The output does not hold all that the atlas does. `warnings.simplefilter("error", LossWarning)` refuses that."""
+    """The output does not hold all that the atlas does.
+
+    `strict=True` refuses that. A filter that makes errors of warnings does not: warnings are given when the work is
+    done, so that the output is written, or the atlas changed, when one is raised.
+    """

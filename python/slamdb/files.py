@@ -2,6 +2,7 @@
 """Reading and writing atlases in every format of slamdb."""
 
 import os
+import sys
 import warnings
 from typing import Callable, List, Optional, Sequence, Tuple, Union
 
@@ -17,63 +18,49 @@ Range = Optional[Tuple[float, float]]
 Box = Optional[Tuple[Sequence[float], Sequence[float]]]
 
 
-def _told(notices: List[Tuple[str, str]], depth: int = 3) -> None:
+def told(notices: List[Tuple[str, str]]) -> None:
+    """Warns of losses and warnings where the package was called."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
+        level, frame = level + 1, frame.f_back
     kinds = {"loss": LossWarning, "warning": SlamdbWarning}
     for kind, text in notices:
         if kind in kinds:
-            warnings.warn(in_python_words(text), kinds[kind], stacklevel=depth)
-
-
-def _part(map: Optional[int], keyframes: Optional[Tuple[int, int]], time: Range, box: Box) -> _slamdb.Part:
-    part = _slamdb.Part()
-    part.map, part.keyframes, part.time = map, keyframes, time
-    part.box = None if box is None else (list(box[0]), list(box[1]))
-    return part
+            warnings.warn(in_python_words(text), kinds[kind], stacklevel=level)
 
 
 def read(
-    path: Path,
+    source: Union[Path, bytes],
     *,
     format: str = "",
+    layout: Optional[Path] = None,
     map: Optional[int] = None,
     keyframes: Optional[Tuple[int, int]] = None,
     time: Range = None,
     box: Box = None,
+    wait: float = 5,
     threads: int = 0,
     progress: Progress = None,
 ) -> Atlas:
     """Read an atlas: of ORB-SLAM3 and its forks, of a store (`maps.db#lab`), or of another program.
 
+    source: a path, or the bytes of a file, as `encode` gives them
     format: its id (docs/formats.md); by default the content tells
+    layout: of an .osa file of a fork of ORB-SLAM3, by id or as a JSON file; by default the content tells
     map: only the map of this id
     keyframes: only those with ids from the first to the last
     time: only keyframes from the first to the last second
     box: only points inside, ((x, y, z), (x, y, z)) in the world
+    wait: seconds, for another program that writes to the store
     threads: 0: every core
     progress: called as progress(stage, fraction) now and then
 
-    A part of an atlas is for looking at: references to what was left out stay.
+    A part of an atlas is for looking at: references to what was left out stay, and writing it is a LossWarning.
     Warns of what is unusual (SlamdbWarning). Raises Error: NotFoundError, DamagedError, UnsupportedError, ...
     """
-    atlas, notices = _slamdb.read(os.fspath(path), format, _part(map, keyframes, time, box), threads, progress)
-    _told(notices)
-    return atlas
-
-
-def decode(
-    data: bytes,
-    *,
-    format: str = "",
-    map: Optional[int] = None,
-    keyframes: Optional[Tuple[int, int]] = None,
-    time: Range = None,
-    box: Box = None,
-    threads: int = 0,
-    progress: Progress = None,
-) -> Atlas:
-    """Read an atlas from bytes, as `read` does from a file."""
-    atlas, notices = _slamdb.decode(data, format, _part(map, keyframes, time, box), threads, progress)
-    _told(notices)
+    given = locals()
+    atlas, notices = _slamdb.read(given.pop("source"), given)
+    told(notices)
     return atlas
 
 
@@ -82,34 +69,52 @@ def write(
     path: Path,
     *,
     format: str = "",
+    layout: Optional[Path] = None,
     overwrite: bool = False,
     strict: bool = False,
     sync: bool = True,
+    wait: float = 5,
     threads: int = 0,
     progress: Progress = None,
 ) -> None:
     """Write an atlas, whole or not at all.
 
-    format: its id; by default the suffix tells (.osa, .db, .ply, .tum, ...)
+    format: its id; by default the suffix tells (.osa, .db, .ply, .tum, ...); `convert` has options of formats
+    layout: write an .osa file of a fork of ORB-SLAM3, "v1.0" that of ORB-SLAM3; by default as it was read
     overwrite: replace what is there
     strict: raise NotPossibleError, and write nothing, where the format cannot hold all of the atlas;
-        otherwise what is lost is named (LossWarning)
-    sync: wait for the disk
+        otherwise what is lost is named (LossWarning), but of exports, which are meant to leave out the rest:
+        points, scenes, tables, graphs and trajectories (docs/formats.md; .ply, .glb, .csv, .g2o, .tum, ...)
+    sync: wait for the disk; wait: seconds, for another program that writes to the store
     """
-    _told(_slamdb.write(atlas, os.fspath(path), format, overwrite, strict, sync, threads, progress))
+    given = locals()
+    told(_slamdb.write(given.pop("atlas"), given.pop("path"), given))
 
 
 def encode(
-    atlas: Atlas, *, format: str = "orbslam3", strict: bool = False, threads: int = 0, progress: Progress = None
+    atlas: Atlas,
+    *,
+    format: str = "orbslam3",
+    layout: Optional[Path] = None,
+    strict: bool = False,
+    threads: int = 0,
+    progress: Progress = None,
 ) -> bytes:
     """The bytes of the file that `write` would write."""
-    data, notices = _slamdb.encode(atlas, format, strict, threads, progress)
-    _told(notices)
+    given = locals()
+    data, notices = _slamdb.encode(given.pop("atlas"), given)
+    told(notices)
     return data
 
 
-def info(path: Path, *, format: str = "", threads: int = 0, progress: Progress = None) -> Report:
-    """What is in an atlas, as `slamdb info --json` tells: maps, sensors, distributions, sizes."""
-    report, notices = _slamdb.info(os.fspath(path), format, threads, progress)
-    _told(notices)
+def info(
+    path: Path, *, format: str = "", layout: Optional[Path] = None, threads: int = 0, progress: Progress = None
+) -> Report:
+    """What is in an atlas, as `slamdb info --json` tells: maps, sensors, distributions, sizes.
+
+    format, layout: as for `read`
+    """
+    given = locals()
+    report, notices = _slamdb.info(given.pop("path"), given)
+    told(notices)
     return Report.parse(report)

@@ -1,11 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "python/src/arrays.h"
 
+#include <atomic>
+#include <mutex>
 #include <utility>
+
+#include "python/src/unlocked.h"
 
 namespace slamdb::python {
 
 namespace py = pybind11;
+
+void RequireNumpy() {
+  static std::atomic<bool> is_there = false;
+  if (is_there) return;
+  static std::mutex first;
+  std::unique_lock lock(first, std::defer_lock);
+  {
+    const Unlocked unlocked;
+    lock.lock();
+  }
+  py::detail::npy_api::get();
+  is_there = true;
+}
+
+py::array ArrayOrNull(py::handle object) {
+  RequireNumpy();
+  py::array array = py::array::ensure(object);
+  if (!array) PyErr_Clear();
+  return array;
+}
 
 py::array ViewOf(const Kept& kept, const py::dtype& type, ArrayPlace place) {
   if (place.shape.front() == 0) return py::array(type, std::move(place.shape));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pybind11/stl.h>
 
-#include "python/src/map_in_atlas.h"
 #include "python/src/module.h"
+#include "python/src/row_class.h"
 #include "slamdb/formats/info.h"
 
 namespace slamdb::python {
@@ -13,13 +13,15 @@ namespace {
 
 std::vector<MapInAtlas> MapsOf(const std::shared_ptr<HeldAtlas>& atlas) {
   std::vector<MapInAtlas> maps;
-  for (const Map& map : atlas->value()->maps) maps.push_back({atlas, maps.size(), map.id});
+  const auto value = atlas->value();
+  for (const Map& map : value->maps) maps.push_back({atlas, maps.size(), map.id});
   return maps;
 }
 
 py::list CamerasOf(const HeldAtlas& atlas) {
   py::list cameras;
-  for (const Camera& camera : atlas.value()->cameras) {
+  const auto value = atlas.value();
+  for (const Camera& camera : value->cameras) {
     py::dict parameters;
     const std::vector<std::string> names = ParameterNames(camera.model);
     for (std::size_t i = 0; i < std::min(names.size(), camera.parameters.size()); ++i)
@@ -33,13 +35,10 @@ py::list CamerasOf(const HeldAtlas& atlas) {
   return cameras;
 }
 
-std::string Counted(std::size_t count, const char* noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
 std::string TextOf(const MapInAtlas& map) {
-  return ToString(map.id) + ": " + Counted(map.map().keyframes.size(), "keyframe") + ", " +
-         Counted(map.map().points.size(), "point");
+  const auto shown = map.map();
+  return ToString(map.id) + ": " + Counted(shown->keyframes.size(), "keyframe") + ", " +
+         Counted(shown->points.size(), "point");
 }
 
 std::string TextOf(const std::shared_ptr<HeldAtlas>& atlas) {
@@ -51,15 +50,16 @@ std::string TextOf(const std::shared_ptr<HeldAtlas>& atlas) {
 }  // namespace
 
 void DefineAtlas(py::module_& module) {
-  py::class_<MapInAtlas>(module, "Map", "Keyframes and map points in one world frame.")
-      .def_property_readonly("id", [](const MapInAtlas& m) { return IdOrNone(m.id); })
+  py::class_<MapInAtlas> map(module, "Map", "Keyframes and map points in one world frame.");
+  DefineIdentity(map);
+  map.def_property_readonly("id", [](const MapInAtlas& m) { return IdOrNone(m.id); })
       .def_property_readonly("keyframes", [](const MapInAtlas& m) { return KeyFramesInMap{m}; })
       .def_property_readonly("points", [](const MapInAtlas& m) { return PointsInMap{m}; })
       .def_property_readonly(
-          "inertial", [](const MapInAtlas& m) { return static_cast<bool>(m.map().inertial); },
+          "inertial", [](const MapInAtlas& m) { return static_cast<bool>(m.map()->inertial); },
           "of a session with an IMU")
       .def_property_readonly("imu_initialized",
-                             [](const MapInAtlas& m) { return static_cast<bool>(m.map().imu_initialized); })
+                             [](const MapInAtlas& m) { return static_cast<bool>(m.map()->imu_initialized); })
       .def("__repr__", [](const MapInAtlas& m) { return "<slamdb.Map: " + TextOf(m) + ">"; });
 
   py::class_<HeldAtlas, std::shared_ptr<HeldAtlas>>(module, "Atlas", "Maps, their keyframes and points, and cameras.")
@@ -72,9 +72,6 @@ void DefineAtlas(py::module_& module) {
       .def_property_readonly(
           "layout", [](const HeldAtlas& a) { return a.value()->layout; },
           "of the fork's file it was read from; empty: ORB-SLAM3 v1.0")
-      .def(
-          "copy", [](const HeldAtlas& a) { return std::make_shared<HeldAtlas>(*a.value()); },
-          "An atlas of its own, with the same content.")
       .def("__repr__", [](const std::shared_ptr<HeldAtlas>& a) { return TextOf(a); });
 }
 

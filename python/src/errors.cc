@@ -4,18 +4,19 @@
 #include <exception>
 #include <string>
 
+#include "python/src/unlocked.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::python {
 
 namespace py = pybind11;
 
-namespace {
-
-py::str TextOf(const std::string& text) {  // paths may be any bytes
+py::str TextOf(const std::string& text) {
   return py::reinterpret_steal<py::str>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
 }
+
+namespace {
 
 void Raise(const Error& error) {
   const py::object made = py::module_::import("slamdb.errors")
@@ -36,11 +37,26 @@ void TranslateErrors() {
   });
 }
 
+namespace {
+
+// With the GIL held. Python lets go of it now and then while the listener runs.
+void Tell(py::handle listener, std::string_view stage, double fraction) {
+  ThrowIfInterrupted();
+  if (listener.is_none()) return;
+  const py::tuple told = py::make_tuple(std::string(stage), fraction);
+  PyObject* result = Parkable([&] { return PyObject_CallObject(listener.ptr(), told.ptr()); });
+  if (result == nullptr) throw py::error_already_set();
+  Py_DECREF(result);
+}
+
+}  // namespace
+
 Progress ProgressTo(py::handle listener) {
   return [listener](std::string_view stage, double fraction) {
+    Parking parking;
     const py::gil_scoped_acquire locked;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    if (!listener.is_none()) listener(std::string(stage), fraction);
+    parking.Disarm();
+    Tell(listener, stage, fraction);
   };
 }
 

@@ -1,129 +1,161 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/eigen.h>
-#include <pybind11/stl.h>
+#include "python/src/files.h"
 
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "python/src/arguments.h"
 #include "python/src/errors.h"
-#include "python/src/held_atlas.h"
 #include "python/src/module.h"
+#include "python/src/selections.h"
+#include "python/src/unlocked.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
+#include "slamdb/formats/layouts/layout_text.h"
+#include "slamdb/formats/orbslam3/options.h"
+#include "slamdb/formats/results.h"
+#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/many/selected.h"
 
 // Reading and writing. slamdb/files.py documents what is here.
 namespace slamdb::python {
 
 namespace py = pybind11;
 
-namespace {
-
-using NoticeList = std::vector<std::pair<std::string, std::string>>;  // kind, text
-
-NoticeList ListOf(const Notices& notices) {
-  NoticeList list;
+py::list ListOf(const Notices& notices) {
+  py::list list;
   for (const Notice& notice : notices.items()) {
     const char* kind = notice.kind == Notice::Kind::kLoss      ? "loss"
                        : notice.kind == Notice::Kind::kWarning ? "warning"
                                                                : "note";
-    list.emplace_back(kind, notice.text);
+    list.append(py::make_tuple(kind, TextOf(notice.text)));
   }
   return list;
 }
 
-// None: no bound.
-struct Part {
-  std::optional<std::uint64_t> map;
-  std::optional<std::pair<std::uint64_t, std::uint64_t>> keyframes;
-  std::optional<std::pair<double, double>> time;
-  std::optional<std::pair<Eigen::Vector3f, Eigen::Vector3f>> box;
-};
-
-ReadOptions ReadOptionsOf(const std::string& format, const Part& part, int threads, py::handle progress) {
-  ReadOptions options{.format = format, .threads = threads, .progress = ProgressTo(progress)};
-  Selection& selection = options.selection;
-  if (part.map) selection.map = MapId(*part.map);
-  if (part.keyframes) std::tie(selection.first_keyframe, selection.last_keyframe) = *part.keyframes;
-  if (part.time) std::tie(selection.begin_time, selection.end_time) = *part.time;
-  if (part.box) selection.box = Eigen::AlignedBox3f(part.box->first, part.box->second);
-  return options;
+void RefuseIdleSelection(const AtlasOrPath& source, const ReadOptions& read) {
+  if (source.atlas && !read.selection.everything())
+    throw Error(ErrorKind::kUsage,
+                "map=, keyframes=, time= and box= are for a source that is a path; `Extract` keeps a "
+                "part of an atlas");
 }
 
-template <class Read>
-py::tuple ReadWith(const ReadOptions& options, const Read& read) {
+ReadOptions ReadingOf(Arguments& given) {
+  ReadOptions read;
+  TakePart(given, read.selection);
+  given.Take("format", read.format);
+  read.of<Orbslam3ReadOptions>().layout = LayoutNamed(given.Path("layout"));
+  given.Take("wait", read.of<StoreReadOptions>().lock_timeout, cli::kNonNegative);
+  given.TakeRun(read);
+  return read;
+}
+
+void LoseRest(const HeldAtlas& atlas, const Format& format, bool strict, Notices& notices) {
+  if (!atlas.is_part() || !HasAny(format.writes, Content::kObservations)) return;
+  const std::string loss =
+      "only a part of the atlas was read: what refers to the rest leads nowhere; `Extract` makes a "
+      "whole of a part";
+  if (strict) throw Error(ErrorKind::kNotPossible, loss + "; WriteOptions::strict refuses that");
+  notices.Lose(loss);
+}
+
+std::shared_ptr<HeldAtlas> MarkedAtlas(Atlas atlas, Selection selection) {
+  auto held = std::make_shared<HeldAtlas>(std::move(atlas));
+  selection.map.reset();  // whole maps refer to nothing else
+  if (!selection.everything()) held->MarkAsPart();
+  return held;
+}
+
+std::shared_ptr<const Atlas> Hold(const AtlasOrPath& source, const ReadOptions& read, Notices& notices) {
+  if (source.atlas) return source.atlas;
+  return std::make_shared<const Atlas>(ReadAtlas(Location(source.path), read, &notices));
+}
+
+namespace {
+
+WriteOptions WritingOf(Arguments& given) {
+  WriteOptions write;
+  given.Take("format", write.format);
+  given.Take("strict", write.strict);
+  given.Take("overwrite", write.overwrite);
+  given.Take("sync", write.sync);
+  given.Take("wait", write.of<StoreWriteOptions>().lock_timeout, cli::kNonNegative);
+  if (given.Has("layout")) write.of<Orbslam3WriteOptions>().layout = LayoutNamed(given.Path("layout"));
+  given.TakeRun(write);
+  return write;
+}
+
+// `work(notices)` without the GIL; its result, and what it had to say.
+template <class Work>
+auto Told(const Work& work) {
   Notices notices;
-  auto held = [&] {
-    const py::gil_scoped_release unlocked;
-    return std::make_shared<HeldAtlas>(read(options, notices));
+  auto result = [&] {
+    const Unlocked unlocked;
+    return work(notices);
   }();
-  return py::make_tuple(std::move(held), ListOf(notices));
+  return std::pair(std::move(result), ListOf(notices));
 }
 
-WriteOptions WriteOptionsOf(const std::string& format, bool overwrite, bool strict, bool sync, int threads,
-                            py::handle progress) {
-  return {.format = format,
-          .strict = strict,
-          .overwrite = overwrite,
-          .sync = sync,
-          .threads = threads,
-          .progress = ProgressTo(progress)};
+auto Read(const py::object& source, const py::dict& values) {
+  Arguments given(values);
+  const ReadOptions options = ReadingOf(given);
+  given.RequireAllTaken();
+  if (py::isinstance<py::bytes>(source))
+    return Told([&, held = std::string_view(py::reinterpret_borrow<py::bytes>(source))](Notices& notices) {
+      return MarkedAtlas(DecodeAtlas(held, options, &notices), options.selection);
+    });
+  return Told([&, path = TextOfPath(source)](Notices& notices) {
+    const HeldSource held = HoldInput(Location(path), options);
+    Atlas atlas = ReadAtlas(held, options, &notices);
+    if (!options.selection.everything()) RefuseEmptySelection(atlas, path, held, options);
+    return MarkedAtlas(std::move(atlas), options.selection);
+  });
+}
+
+py::list Write(const HeldAtlas& atlas, const py::object& path, const py::dict& values) {
+  Arguments given(values);
+  const WriteOptions options = WritingOf(given);
+  given.RequireAllTaken();
+  const Location to(TextOfPath(path));
+  const Format& format = FormatOfOutput(to, options.format);
+  if (to.name.empty() && format.is_export) RefuseAtlas(to.path);
+  return Told([&, value = atlas.value()](Notices& notices) {
+           LoseRest(atlas, format, options.strict, notices);
+           WriteAtlas(*value, to, options, &notices);
+           return true;
+         })
+      .second;
+}
+
+py::tuple Encode(const HeldAtlas& atlas, const py::dict& values) {
+  Arguments given(values);
+  const WriteOptions options = WritingOf(given);
+  given.RequireAllTaken();
+  const auto [bytes, notices] = Told([&, value = atlas.value()](Notices& told) {
+    LoseRest(atlas, FormatById(options.format), options.strict, told);
+    return EncodeAtlas(*value, options, &told);
+  });
+  return py::make_tuple(py::bytes(bytes), notices);
+}
+
+auto Info(const py::object& path, const py::dict& values) {
+  Arguments given(values);
+  const ReadOptions options = ReadingOf(given);
+  given.RequireAllTaken();
+  const Location from(TextOfPath(path));
+  return Told([&](Notices& notices) { return ToJson(ReadInfo(from, options, &notices), -1); });
 }
 
 }  // namespace
 
 void DefineFiles(py::module_& module) {
-  py::class_<Part>(module, "Part")
-      .def(py::init<>())
-      .def_readwrite("map", &Part::map)
-      .def_readwrite("keyframes", &Part::keyframes)
-      .def_readwrite("time", &Part::time)
-      .def_readwrite("box", &Part::box);
-
-  module.def("read", [](const std::string& path, const std::string& format, const Part& part, int threads,
-                        const py::object& progress) {
-    return ReadWith(ReadOptionsOf(format, part, threads, progress), [&](const ReadOptions& options, Notices& notices) {
-      return ReadAtlas(Location(path), options, &notices);
-    });
-  });
-  module.def("decode", [](const py::bytes& bytes, const std::string& format, const Part& part, int threads,
-                          const py::object& progress) {
-    const std::string_view held(bytes);  // by the caller's argument
-    return ReadWith(ReadOptionsOf(format, part, threads, progress),
-                    [&](const ReadOptions& options, Notices& notices) { return DecodeAtlas(held, options, &notices); });
-  });
-  module.def("write", [](const HeldAtlas& atlas, const std::string& path, const std::string& format, bool overwrite,
-                         bool strict, bool sync, int threads, const py::object& progress) {
-    const WriteOptions options = WriteOptionsOf(format, overwrite, strict, sync, threads, progress);
-    const auto value = atlas.value();
-    Notices notices;
-    {
-      const py::gil_scoped_release unlocked;
-      WriteAtlas(*value, Location(path), options, &notices);
-    }
-    return ListOf(notices);
-  });
-  module.def("encode", [](const HeldAtlas& atlas, const std::string& format, bool strict, int threads,
-                          const py::object& progress) {
-    const WriteOptions options = WriteOptionsOf(format, false, strict, false, threads, progress);
-    const auto value = atlas.value();
-    Notices notices;
-    const std::string bytes = [&] {
-      const py::gil_scoped_release unlocked;
-      return EncodeAtlas(*value, options, &notices);
-    }();
-    return py::make_tuple(py::bytes(bytes), ListOf(notices));
-  });
-  module.def("info", [](const std::string& path, const std::string& format, int threads, const py::object& progress) {
-    const ReadOptions options = ReadOptionsOf(format, {}, threads, progress);
-    Notices notices;
-    const std::string json = [&] {
-      const py::gil_scoped_release unlocked;
-      return ToJson(ReadInfo(Location(path), options, &notices), -1);
-    }();
-    return py::make_tuple(json, ListOf(notices));
-  });
+  module.def("read", &Read);
+  module.def("write", &Write);
+  module.def("encode", &Encode);
+  module.def("info", &Info);
 }
 
 }  // namespace slamdb::python

@@ -1,108 +1,148 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/stl.h>
-
-#include <map>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include "python/src/errors.h"
-#include "python/src/held_atlas.h"
+#include "cli/choices.h"
+#include "python/src/inputs.h"
 #include "python/src/module.h"
-#include "slamdb/checks/report.h"
+#include "python/src/verb.h"
 #include "slamdb/edit/diff/diff.h"
-#include "slamdb/edit/merge/merge.h"
 #include "slamdb/edit/repair/recover.h"
 #include "slamdb/edit/repair/repair.h"
-#include "slamdb/formats/location.h"
+#include "slamdb/edit/tables/tables.h"
+#include "slamdb/formats/layouts/layout_text.h"
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/salvage.h"
+#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/many/check.h"
 
-// The verbs, each of which gives its report as JSON. slamdb/verbs.py documents what is here.
+// Checks, repairs and comparisons. slamdb/verbs.py documents what is here.
 namespace slamdb::python {
 
 namespace py = pybind11;
 
+CheckOptions CheckOptionsOf(Arguments& given) {
+  CheckOptions options;
+  given.Take("ignore", options.ignore);
+  given.Take("note", options.note);
+  given.Take("warn", options.warn);
+  given.Take("error", options.error);
+  given.Take("strict", options.strict);
+  given.Take("max_findings", options.max_findings);
+  for (const auto& [gate, limit] : given.Get<std::map<std::string, double>>("gates"))
+    options.gates.push_back({gate, limit});
+  given.TakeRun(options);
+  return options;
+}
+
 namespace {
 
-using Held = std::shared_ptr<HeldAtlas>;
-using Texts = std::vector<std::string>;
-
 void DefineCheck(py::module_& module) {
-  module.def("check", [](const HeldAtlas& atlas, const std::string& name, const Texts& ignore, const Texts& note,
-                         const Texts& warn, const Texts& error, bool strict, std::size_t max_findings,
-                         const std::map<std::string, double>& gates, int threads, const py::object& progress) {
-    CheckOptions options{.ignore = ignore,
-                         .note = note,
-                         .warn = warn,
-                         .error = error,
-                         .strict = strict,
-                         .max_findings = max_findings,
-                         .threads = threads,
-                         .progress = ProgressTo(progress)};
-    for (const auto& [gate, limit] : gates) options.gates.push_back({gate, limit});
-    const auto value = atlas.value();
-    const py::gil_scoped_release unlocked;
-    CheckedFile checked{.name = name};
-    checked.report = CheckAtlas(*value, options);
-    return ToJson(std::span<const CheckedFile>(&checked, 1));
+  DefineReport(module, "check", [](Arguments& given) {
+    const CheckAtlasesOptions options{.read = ReadingOf(given), .check = CheckOptionsOf(given)};
+    return [options, inputs = InputsOf(given), vocabulary = given.Path("vocabulary")](Notices& notices) {
+      CheckAtlasesOptions check = options;
+      const auto loaded = VocabularyAt(vocabulary, options.read.threads);
+      if (loaded) check.vocabulary = &*loaded;
+      const auto outcomes = CheckAtlases(inputs.Find(), check);
+      TellOutcomes(outcomes, notices);
+      return ToJson(CheckedFilesOf(outcomes));
+    };
   });
+}
+
+// Beside what is changed.
+void WriteBeside(const Journal& journal, const OutputFile& file) {
+  if (file.any()) WriteJournal(journal, file.path, file.options);
 }
 
 void DefineRepair(py::module_& module) {
-  module.def("repair", [](HeldAtlas& atlas, const Texts& rules, int threads, const py::object& progress) {
-    const RepairOptions options{.rules = rules, .threads = threads, .progress = ProgressTo(progress)};
-    return atlas.Apply([&](Atlas& changed) { return ToJson(RepairAtlas(changed, options)); });
+  DefineChange(module, "repair", [](Arguments& given) {
+    RepairOptions options;
+    given.Take("rule", options.rules);
+    given.TakeRun(options);
+    return [options, journal = given.Output("journal"), path = given.Path("vocabulary")](Atlas& atlas, Notices&) {
+      const auto vocabulary = VocabularyAt(path, options.threads);
+      RepairOptions repair = options;
+      if (vocabulary) {
+        repair.vocabulary = &vocabulary->tree;
+        repair.vocabulary_identity = vocabulary->identity;
+      }
+      const RepairReport report = RepairAtlas(atlas, repair);
+      WriteBeside(report.journal, journal);
+      return ToJson(report);
+    };
   });
-  module.def("recover", [](const std::string& path, const std::string& format, bool triangulate, int threads,
-                           const py::object& progress) {
-    const ReadOptions reading{.format = format, .threads = threads, .progress = ProgressTo(progress)};
-    const RecoverOptions options{.triangulate = triangulate, .threads = threads, .progress = ProgressTo(progress)};
-    Salvage salvage;
-    const std::string report = [&] {
-      const py::gil_scoped_release unlocked;
-      salvage = SalvageAtlas(Location(path), reading);
-      return ToJson(RecoverSalvage(salvage, options), {.input = path});
-    }();
-    return py::make_tuple(std::make_shared<HeldAtlas>(std::move(salvage.atlas)), report);
+  DefineChange(module, "undo", [](Arguments& given) {
+    UndoOptions options;
+    given.TakeRun(options);
+    return [options, path = given.Path("journal")](Atlas& atlas, Notices&) {
+      return ToJson(UndoRepair(atlas, ReadJournal(path), options));
+    };
   });
 }
 
-void DefineCompare(py::module_& module) {
-  module.def("diff",
-             [](const HeldAtlas& before, const HeldAtlas& after, const std::pair<std::string, std::string>& names,
-                double tolerance, int threads, const py::object& progress) {
-               const DiffOptions options{.tolerance = tolerance, .threads = threads, .progress = ProgressTo(progress)};
-               const auto one = before.value(), other = after.value();
-               const py::gil_scoped_release unlocked;
-               return ToJson(DiffAtlases(*one, *other, options), {.before = names.first, .after = names.second});
-             });
+void DefineEdit(py::module_& module) {
+  DefineChange(module, "edit_tables", [](Arguments& given) {
+    TableEditOptions options;
+    if (given.Has("points")) options.points = given.Path("points");
+    if (given.Has("keyframes")) options.keyframes = given.Path("keyframes");
+    given.Take("delete_missing", options.delete_missing);
+    if (!options.points && !options.keyframes)
+      throw Error(ErrorKind::kUsage, "no table to edit by: give points= or keyframes=");
+    options.threads = given.threads();
+    return [options, journal = given.Output("journal")](Atlas& atlas, Notices& notices) {
+      const TableEditReport report = EditByTables(atlas, options);
+      TellWarnings(report, options, notices);
+      WriteBeside(report.journal, journal);
+      return ToJson(report);
+    };
+  });
 }
 
-SameMap SameMapOf(const std::string& name) {
-  if (name == "keep-both") return SameMap::kKeepBoth;
-  if (name == "error") return SameMap::kError;
-  if (name == "keep-first") return SameMap::kKeepFirst;
-  throw py::value_error("same_map is 'keep-both', 'keep-first' or 'error'");
+void DefineRecover(py::module_& module) {
+  DefineMaker(module, "recover", [](Arguments& given) {
+    ReadOptions reading = ReadingOf(given);
+    reading.of<StoreReadOptions>().accept_edits = given.Get<bool>("accept_edits");
+    RecoverOptions options{.triangulate = given.Get<bool>("triangulate", true)};
+    given.TakeRun(options);
+    return [=, cameras = given.SourceAt("cameras"), path = given.Path("path"), words = given.Path("vocabulary")](
+               Atlas& atlas, Notices& notices) {
+      RecoverOptions recover = options;
+      const auto rig = cameras.any() ? Hold(cameras, {.threads = options.threads}, notices) : nullptr;
+      recover.rig = rig.get();
+      const auto vocabulary = VocabularyAt(words, options.threads);
+      if (vocabulary) {
+        recover.vocabulary = &vocabulary->tree;
+        recover.vocabulary_identity = vocabulary->identity;
+      }
+      Salvage salvage = SalvageAtlas(Location(path), reading);
+      const SalvageReport report = RecoverSalvage(salvage, recover);
+      for (const std::string& loss : report.losses) notices.Lose(loss);
+      atlas = std::move(salvage.atlas);
+      return ToJson(report, {.input = path});
+    };
+  });
 }
 
-void DefineMerge(py::module_& module) {
-  module.def("merge", [](const std::vector<Held>& inputs, const Texts& names, const std::string& same_map,
-                         bool ignore_vocabulary, int threads, const py::object& progress) {
-    const MergeOptions options{.names = names,
-                               .same_map = SameMapOf(same_map),
-                               .ignore_vocabulary = ignore_vocabulary,
-                               .threads = threads,
-                               .progress = ProgressTo(progress)};
-    std::vector<std::shared_ptr<Atlas>> values;
-    for (const Held& input : inputs) values.push_back(input->value());
-    MergeResult result = [&] {
-      const py::gil_scoped_release unlocked;
-      std::vector<Atlas> copies;
-      for (const auto& value : values) copies.push_back(*value);
-      return MergeAtlases(std::move(copies), options);
-    }();
-    return py::make_tuple(std::make_shared<HeldAtlas>(std::move(result.atlas)), ToJson(result.report));
+// Of a cloud and an atlas points alone.
+AtlasDiff Compare(const Atlas& before, const Atlas& after, const DiffOptions& options, Notices& notices) {
+  if (SubstanceOf(before, /*with_bad=*/true).keyframes == SubstanceOf(after, /*with_bad=*/true).keyframes)
+    return DiffAtlases(before, after, options);
+  Atlas one = before, other = after;
+  if (KeepWhatCloudsHold(one, other)) notices.Note("compares points alone, as one of the inputs holds no more");
+  return DiffAtlases(one, other, options);
+}
+
+void DefineDiff(py::module_& module) {
+  DefineReport(module, "diff", [](Arguments& given) {
+    DiffOptions options;
+    given.Take("tolerance", options.tolerance, cli::kNonNegative);
+    given.TakeRun(options);
+    const AtlasOrPath before = given.SourceAt("before"), after = given.SourceAt("after");
+    DiffReportOptions report{.before = before.path, .after = after.path};
+    given.Take("max_listed", report.max_listed);
+    return [=, read = ReadingOf(given)](Notices& notices) {
+      const auto one = Hold(before, read, notices), other = Hold(after, read, notices);
+      return ToJson(Compare(*one, *other, options, notices), report);
+    };
   });
 }
 
@@ -111,8 +151,9 @@ void DefineMerge(py::module_& module) {
 void DefineVerbs(py::module_& module) {
   DefineCheck(module);
   DefineRepair(module);
-  DefineCompare(module);
-  DefineMerge(module);
+  DefineEdit(module);
+  DefineRecover(module);
+  DefineDiff(module);
 }
 
 }  // namespace slamdb::python

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-import json
 import os
 import pathlib
 import subprocess
+from json import loads
 
 import pytest
 import slamdb
@@ -25,12 +25,11 @@ def atlas(session: pathlib.Path) -> slamdb.Atlas:
 
 @pytest.fixture(scope="session")
 def command():
-    """The command's `--json`."""
+    """The command's `--json`; without json, that it ends well."""
 
-    def run(*arguments):
-        done = subprocess.run(
-            [os.environ["SLAMDB"], *map(str, arguments), "--json"], stdout=subprocess.PIPE, check=False
-        )
-        return json.loads(done.stdout)
+    def run(*arguments, json=True):
+        words = [os.environ["SLAMDB"], *map(str, arguments), *(["--json"] if json else [])]
+        done = subprocess.run(words, stdout=subprocess.PIPE, check=not json)
+        return loads(done.stdout) if json else None
 
     return run

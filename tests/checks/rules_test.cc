@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <functional>
 #include <ostream>
 #include <set>
 
@@ -166,6 +168,22 @@ TEST(TimestampSeconds, AreMendedOneByOne) {
       EXPECT_NEAR(atlas.maps[0].keyframes[row].timestamp, sound.maps[0].keyframes[row].timestamp,
                   row < wrong ? 1e-5 : 0);
   }
+}
+
+// A distortion that is not of floats, or not finite, tells nothing of where keypoints belong.
+TEST(KeypointUndistorted, AsksNothingOfALensThatCannotBeTold) {
+  const auto breaks = [](const std::function<void(Matrix&)>& spoil) {
+    Atlas atlas = SoundAtlas(Base::kMonocular);
+    for (KeyFrame& keyframe : atlas.maps[0].keyframes) {
+      keyframe.features.keypoints[3].x += 0.5F;
+      spoil(keyframe.distortion);
+    }
+    return BrokenRules(atlas);
+  };
+  EXPECT_THAT(breaks([](Matrix&) {}), Contains("keypoint-undistorted"));
+  EXPECT_THAT(breaks([](Matrix& matrix) { matrix.type += 1; }), Not(Contains("keypoint-undistorted")));
+  const auto fill = [](Matrix& matrix) { std::ranges::fill(matrix.data, std::byte{0xFF}); };
+  EXPECT_THAT(breaks(fill), Not(Contains("keypoint-undistorted")));
 }
 
 }  // namespace

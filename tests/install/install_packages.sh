@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # install_packages.sh BUILD: installs the packages that packages.sh made into a clean Debian 12, and uses them there as their
-# users do: the command by itself, then a project that links the library, then one with the live map and Boost's archives.
+# users do: the command by itself, then a project that links the library, then one with the live map and Boost's archives, then
+# the module for Python.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 . tests/install/clean_system.sh
@@ -46,6 +47,19 @@ if compgen -G "$build/packages/libslamdb-live-dev_*.deb" >/dev/null; then
   install_package /packages/libslamdb-live-dev_*.deb libboost-serialization-dev
   build_consumer "with the live map"
   inside sh -ec 'cd /work; build/live_consumer >/dev/null; build/boost_consumer session_small_a.osa . >/dev/null'
+fi
+
+if compgen -G "$build/packages/python3-slamdb_*.deb" >/dev/null; then
+  install_package /packages/python3-slamdb_*.deb
+  inside sh -ec "cd /work; python3 -c '
+import pathlib
+import slamdb
+atlas = slamdb.read(\"session_small_a.osa\")
+assert slamdb.check(atlas).sound and len(atlas.maps[0].points.positions) == 3162
+with slamdb.Store(\"python.db\") as store:
+    store.save(\"lab\", atlas)
+    assert slamdb.encode(store.load(\"lab\")) == pathlib.Path(\"session_small_a.osa\").read_bytes()'"
+  inside apt-get purge -y -qq python3-slamdb >/dev/null 2>&1
 fi
 
 inside apt-get purge -y -qq slamdb libslamdb-dev >/dev/null 2>&1

@@ -48,6 +48,16 @@ if [ -e "$build/lib/slamdb/live/libslamdb_live.a" ]; then
   depends libslamdb-live-dev | grep -q 'libopencv-core-dev' || fail "libslamdb-live-dev does not depend on OpenCV's core"
 fi
 
+if compgen -G "$build/python/slamdb/_slamdb.*.so" >/dev/null; then
+  holds python3-slamdb lib/python3/dist-packages/slamdb/__init__.py 'lib/python3/dist-packages/slamdb/_slamdb[.].*[.]so' \
+    lib/python3/dist-packages/slamdb/_slamdb.pyi lib/python3/dist-packages/slamdb/py.typed
+  lacks python3-slamdb 'bin/|include|[.]a$|/tests?/|__pycache__'
+  for library in 'python3 (>= 3' python3-numpy libc6 libsqlite3-0; do
+    depends python3-slamdb | grep -qF "$library" || fail "python3-slamdb does not depend on $library"
+  done
+  ! depends python3-slamdb | grep -E 'pandas|scipy|-dev' || fail "python3-slamdb depends on what it can do without"
+fi
+
 for package in "$packages"/*.deb; do
   [ -n "$(dpkg-deb -f "$package" Section)" ] || fail "$package has no section"
   dpkg-deb -f "$package" Description | sed -n 2p | grep -q . || fail "$package has no description"

@@ -94,4 +94,6 @@ std::string ToJson(const MergeReport& merged, const JoinAlignedReport& joined,
   return detail::JsonText(json);
 }
 
+std::string NameText(const MapName& name) { return (name.input.empty() ? "" : name.input + " ") + ToString(name.map); }
+
 }  // namespace slamdb

@@ -18,6 +18,7 @@ struct MapName {
   std::string input;
   MapId map;
 };
+[[nodiscard]] SLAMDB_EXPORT std::string NameText(const MapName& name);  // `a.osa map 0`
 
 // As schema/merge.schema.json describes it, with `links`, `joins` and `optimizations`. `names` by row of
 // JoinAlignedReport::maps.

@@ -52,4 +52,9 @@ std::string SecondsText(double seconds) {
   return text;
 }
 
+std::string DatedDuration(double begin, double end) {
+  const std::string date = DateText(begin);
+  return DurationText(end - begin) + (date.empty() ? "" : " from " + date);
+}
+
 }  // namespace slamdb::detail

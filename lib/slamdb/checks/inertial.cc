@@ -6,11 +6,11 @@
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/detail/uninitialised.h"
+#include "slamdb/model/preintegration.h"
 
 namespace slamdb::detail {
 namespace {
 
-constexpr double kDurationTolerance = 0.02;  // seconds
 constexpr float kTransformTolerance = 1e-3F;
 
 bool IsIntegrated(const ImuPreintegration& imu) {
@@ -86,7 +86,7 @@ void CheckImuDuration(const Subject& subject, Findings& findings) {
     const KeyFrame* previous = subject.index.FindKeyFrame(row, keyframe.previous);
     if (previous == nullptr || !IsIntegrated(keyframe.preintegration)) return;
     const double apart = keyframe.timestamp - previous->timestamp;
-    if (apart > 0 && std::abs(keyframe.preintegration.duration - apart) > kDurationTolerance)
+    if (apart > 0 && std::abs(keyframe.preintegration.duration - apart) > kPreintegrationTolerance)
       findings.Add(PlaceOf(map, keyframe), "its preintegration lasts ", keyframe.preintegration.duration,
                    " s, but it was taken ", apart, " s after ", keyframe.previous);
   });

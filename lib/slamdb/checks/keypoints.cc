@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "slamdb/checks/detail/catalogue.h"
 #include "slamdb/checks/detail/visit.h"
@@ -58,9 +59,10 @@ class Undistort {
   static std::optional<Undistort> Of(const KeyFrame& keyframe) {
     const Intrinsics& intrinsics = keyframe.intrinsics;
     if (!(intrinsics.fx > 0) || !(intrinsics.fy > 0) || keyframe.distortion.data.empty()) return std::nullopt;
+    const std::optional<std::vector<double>> coefficients = RecordedDistortion(keyframe);
+    if (!coefficients) return std::nullopt;
     Undistort undistort(intrinsics);
-    const std::vector<double> coefficients = DistortionCoefficients(keyframe);
-    std::ranges::copy(coefficients, undistort.coefficients_.begin());
+    std::ranges::copy(*coefficients, undistort.coefficients_.begin());
     return undistort;
   }
 

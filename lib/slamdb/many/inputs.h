@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "slamdb/base/progress.h"
 #include "slamdb/export.h"
 #include "slamdb/formats/location.h"
+#include "slamdb/model/atlas.h"
 
 // What a list of files, folders and stores stands for, one atlas after the other: for every tool that takes many.
 namespace slamdb {
@@ -19,6 +21,7 @@ struct AtlasInput {
   std::string below;    // its path from the folder that was named; empty: named itself, or in a store that was
   std::string failure;  // why the location, a folder or a store, cannot be looked into; empty: it is an atlas, as far
                         // as can be told without reading it
+  std::shared_ptr<const Atlas> atlas;  // in memory, which CheckAtlases and WriteReports take; null: it is to be read
 };
 
 // What folders hold besides.

@@ -5,18 +5,17 @@
 
 #include <algorithm>
 #include <map>
-#include <mutex>
 #include <set>
 #include <utility>
 
 #include "slamdb/base/detail/date_times.h"
-#include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/formats/sqlite/store.h"
+#include "slamdb/many/each.h"
 #include "slamdb/many/names.h"
 
 namespace slamdb {
@@ -82,46 +81,31 @@ void Check(const Atlas& atlas, CheckOptions options, int threads, ListedAtlas& l
 
 class Lister {
  public:
-  Lister(const ListOptions& options, const Stores& stores, std::size_t count)
-      : options_(options), stores_(stores), count_(count) {
-    // What is left to one atlas when several are read at a time.
-    threads_ = std::max(1, detail::ThreadCount(options.threads) / static_cast<int>(std::max<std::size_t>(count, 1)));
-  }
+  Lister(const ListOptions& options, const Stores& stores) : options_(options), stores_(stores) {}
 
   // Nothing when it does not match.
-  std::optional<ListedAtlas> List(const AtlasInput& input) {
+  std::optional<ListedAtlas> List(const AtlasInput& input, const ReadOptions& read) const {
     ListedAtlas atlas{.input = input.location.ToString(), .name = NameOf(input.location), .failure = input.failure};
     bool matches = true;
     if (atlas.failure.empty()) {
       try {
         const auto store = stores_.find(input.location.path);
-        matches = store != stores_.end() && !input.location.name.empty() ? ListStored(input, store->second, atlas)
-                                                                         : ListFile(input, atlas);
+        matches = store != stores_.end() && !input.location.name.empty() ? ListStored(input, store->second, read, atlas)
+                                                                         : ListFile(input, read, atlas);
       } catch (const Error& error) {
         atlas.failure = error.what();
       }
     }
     if (!atlas.failure.empty() && options_.check) atlas.verdict = Verdict({.failure = atlas.failure});
-    Report();
     return matches ? std::optional(std::move(atlas)) : std::nullopt;
   }
 
  private:
-  ReadOptions ReadOptionsOf() const {
-    ReadOptions read{.format = options_.format, .features = FeatureColumns::kGeometry, .threads = threads_};
-    if (options_.check) read.features = FeatureColumns::kAll;
-    read.needs = Content::kPoints | Content::kLandmarks;
-    read.of<StoreReadOptions>().lock_timeout = options_.lock_timeout;
-    read.of<Orbslam3ReadOptions>().layout = options_.layout;
-    if (options_.progress) read.progress = [this](std::string_view, double) { Tell(); };
-    return read;
-  }
-
-  bool ListStored(const AtlasInput& input, const StoreRows& store, ListedAtlas& atlas) const {
+  bool ListStored(const AtlasInput& input, const StoreRows& store, const ReadOptions& read, ListedAtlas& atlas) const {
     if (!store.failure.empty()) throw Error(ErrorKind::kDamaged, store.failure);
     const auto stored = store.atlases.find(input.location.name);
     if (stored == store.atlases.end()) {  // the reader knows what there is instead
-      (void)ReadAtlas(input.location, ReadOptionsOf());
+      (void)ReadAtlas(input.location, read);
       return true;
     }
     if (!store.matching.contains(input.location.name)) return false;
@@ -131,55 +115,45 @@ class Lister {
       throw Error(ErrorKind::kDamaged, atlas.input, "table atlas",
                   "tells of " + stored->second.problem + ": edited outside slamdb, or damaged");
     }
-    if (options_.check) Check(ReadAtlas(input.location, ReadOptionsOf()), *options_.check, threads_, atlas);
+    if (options_.check) Check(ReadAtlas(input.location, read), *options_.check, read.threads, atlas);
     return true;
   }
 
-  bool ListFile(const AtlasInput& input, ListedAtlas& atlas) const {
+  bool ListFile(const AtlasInput& input, const ReadOptions& read, ListedAtlas& atlas) const {
     if (input.location.path != "-") DescribeFile(input.location.path, atlas);
-    const HeldSource held = HoldInput(input.location, ReadOptionsOf());
+    const HeldSource held = HoldInput(input.location, read);
     if (const Format* format = options_.format.empty() ? FindFormatOfInput(held) : &FormatById(options_.format))
       atlas.format = format->id;
     if (held.source().memory) atlas.bytes = held.source().memory->size();
-    const Atlas whole = ReadAtlas(held, ReadOptionsOf());
+    const Atlas whole = ReadAtlas(held, read);
     if (!Matches(whole, options_.query)) return false;
     atlas.summary = Summarize(whole);
-    if (options_.check) Check(whole, *options_.check, threads_, atlas);
+    if (options_.check) Check(whole, *options_.check, read.threads, atlas);
     return true;
-  }
-
-  // Throws what the listener throws, to end the work.
-  void Tell() const {
-    const std::lock_guard lock(mutex_);
-    options_.progress(std::to_string(done_) + " of " + std::to_string(count_),
-                      static_cast<double>(done_) / static_cast<double>(count_));
-  }
-  void Report() {
-    if (!options_.progress) return;
-    {
-      const std::lock_guard lock(mutex_);
-      ++done_;
-    }
-    Tell();
   }
 
   const ListOptions& options_;
   const Stores& stores_;
-  const std::size_t count_;
-  int threads_ = 1;
-  mutable std::mutex mutex_;
-  std::size_t done_ = 0;
 };
+
+ReadOptions ReadOptionsOf(const ListOptions& options) {
+  ReadOptions read{.format = options.format, .features = FeatureColumns::kGeometry, .threads = options.threads};
+  if (options.check) read.features = FeatureColumns::kAll;
+  read.needs = Content::kPoints | Content::kLandmarks;
+  read.of<StoreReadOptions>().lock_timeout = options.lock_timeout;
+  read.of<Orbslam3ReadOptions>().layout = options.layout;
+  read.progress = options.progress;
+  return read;
+}
 
 }  // namespace
 
 std::vector<ListedAtlas> ListAtlases(const AtlasInputs& inputs, const ListOptions& options) {
   const Stores stores = ReadStores(inputs, options);
   std::vector<std::optional<ListedAtlas>> found(inputs.atlases.size());
-  Lister lister(options, stores, found.size());
-  detail::ParallelFor(found.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) found[i] = lister.List(inputs.atlases[i]);
-  });
+  const Lister lister(options, stores);
+  ForEachRow(found.size(), ReadOptionsOf(options),
+             [&](std::size_t row, const ReadOptions& read) { found[row] = lister.List(inputs.atlases[row], read); });
   std::vector<ListedAtlas> atlases;
   for (std::optional<ListedAtlas>& atlas : found)
     if (atlas) atlases.push_back(std::move(*atlas));

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slamdb/base/progress.h"
@@ -81,11 +82,23 @@ struct SortKey {
   bool descending = false;
 };
 
+// All of them, by their words: `name`, `input`, `maps`, ...
+[[nodiscard]] SLAMDB_EXPORT std::span<const ListKey> ListKeys();
+[[nodiscard]] SLAMDB_EXPORT std::string_view NameOf(ListKey key);
+
+// By its word, `-` before it: downwards.
+//
+// Throws Error (kUsage), with all words, for another one.
+[[nodiscard]] SLAMDB_EXPORT SortKey SortKeyOf(std::string_view word);
+
 // Sorts by the first key, equal ones by the next, and so on; what is equal in all stays as it was. Names are in natural
 // order. What is not known, as of atlases that could not be read, is last, whichever way is sorted.
 SLAMDB_EXPORT void SortAtlases(std::vector<ListedAtlas>& atlases, std::span<const SortKey> keys);
 
 // As schema/list.schema.json describes it. `input` is what was listed, when that is one file, folder or store.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const ListedAtlas> atlases, const std::string& input = {});
+
+// What that says of the content of an atlas: an object of its counts, sensors, length and times.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const AtlasSummary& summary);
 
 }  // namespace slamdb

@@ -55,4 +55,10 @@ std::string ToJson(std::span<const ListedAtlas> atlases, const std::string& inpu
   return detail::JsonText(json);
 }
 
+std::string ToJson(const AtlasSummary& summary) {
+  Json json = Json::object();
+  AddSummary(summary, json);
+  return detail::JsonText(json);
+}
+
 }  // namespace slamdb

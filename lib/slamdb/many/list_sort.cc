@@ -1,15 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <compare>
 #include <limits>
 #include <variant>
 
+#include "slamdb/base/error.h"
 #include "slamdb/many/detail/natural.h"
 #include "slamdb/many/list.h"
 
 namespace slamdb {
 namespace {
+
+constexpr std::array kKeys = {
+    ListKey::kName,      ListKey::kInput,    ListKey::kMaps,         ListKey::kSensor,
+    ListKey::kKeyframes, ListKey::kPoints,   ListKey::kObservations, ListKey::kLandmarks,
+    ListKey::kLength,    ListKey::kSpan,     ListKey::kDate,         ListKey::kSize,
+    ListKey::kFormat,    ListKey::kRevision, ListKey::kSaved,        ListKey::kVerdict,
+};
+constexpr std::array<std::string_view, kKeys.size()> kWords = {
+    "name",   "input", "maps", "sensor", "keyframes", "points",   "observations", "landmarks",
+    "length", "span",  "date", "size",   "format",    "revision", "saved",        "verdict"};
 
 // What is not known.
 struct Unknown {};
@@ -88,6 +100,21 @@ std::weak_ordering Compare(const ListedAtlas& a, const ListedAtlas& b, const Sor
 }
 
 }  // namespace
+
+std::span<const ListKey> ListKeys() { return kKeys; }
+
+std::string_view NameOf(ListKey key) {
+  return kWords[static_cast<std::size_t>(std::ranges::find(kKeys, key) - kKeys.begin())];
+}
+
+SortKey SortKeyOf(std::string_view word) {
+  const bool descending = word.starts_with('-');
+  const auto found = std::ranges::find(kWords, word.substr(descending ? 1 : 0));
+  if (found != kWords.end()) return {kKeys[static_cast<std::size_t>(found - kWords.begin())], descending};
+  std::string known;
+  for (const std::string_view each : kWords) known.append(known.empty() ? "" : ", ").append(each);
+  throw Error(ErrorKind::kUsage, "'" + std::string(word) + "' is none of " + known);
+}
 
 void SortAtlases(std::vector<ListedAtlas>& atlases, std::span<const SortKey> keys) {
   std::ranges::stable_sort(atlases, [&](const ListedAtlas& a, const ListedAtlas& b) {

@@ -2,10 +2,26 @@
 #include "slamdb/many/names.h"
 
 #include <filesystem>
+#include <vector>
 
+#include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb {
+namespace {
+
+// The name of an atlas that its location tells; empty when it tells none.
+std::string NameOfAtlas(const Location& input) {
+  std::error_code missing;
+  if (!input.name.empty() || !std::filesystem::is_regular_file(input.path, missing)) return input.name;
+  const Format* format = FindFormatOfInput(input);
+  if (format == nullptr || !format->named) return StemOf(input.path);
+  const std::vector<std::string> names = Store::Open(input.path).Names();
+  return names.size() == 1 ? names.front() : std::string();
+}
+
+}  // namespace
 
 std::string SuffixOf(const std::string& path) {
   std::string found = std::filesystem::path(path).extension().string();
@@ -21,5 +37,17 @@ std::string StemOf(const std::string& path) {
 }
 
 std::string NameOf(const Location& atlas) { return atlas.name.empty() ? StemOf(atlas.path) : atlas.name; }
+
+std::string NamedOutput(const std::string& input, const std::string& output, const std::string& format) {
+  const Location target(output);
+  if (output.empty() || output == "-" || !target.name.empty()) return output;
+  try {
+    if (!FormatOfOutput(target, format).named) return output;
+    const std::string name = NameOfAtlas(Location(input));
+    return IsNameOfAtlas(name) ? output + "#" + name : output;
+  } catch (const Error&) {
+    return output;  // what is wrong with it is said where it is read and written
+  }
+}
 
 }  // namespace slamdb

@@ -17,4 +17,10 @@ namespace slamdb {
 // What an atlas is called: `lab` of maps/lab.osa.txt and of maps.db#lab.
 [[nodiscard]] SLAMDB_EXPORT std::string NameOf(const Location& atlas);
 
+// An output in a store without a name gets that of the input: its name in a store, else the stem of its file. So a
+// second atlas comes to lie beside the first. Standard input, what is no file, and a stem that is no name of an atlas
+// (IsNameOfAtlas) name nothing. `format`: asked for; empty: as the output's suffix has it.
+[[nodiscard]] SLAMDB_EXPORT std::string NamedOutput(const std::string& input, const std::string& output,
+                                                    const std::string& format);
+
 }  // namespace slamdb

@@ -11,18 +11,22 @@
 
 namespace slamdb::detail {
 
-std::vector<double> DistortionCoefficients(const KeyFrame& keyframe) {
+std::optional<std::vector<double>> RecordedDistortion(const KeyFrame& keyframe) {
   const Matrix& matrix = keyframe.distortion;
   std::vector<double> distortion;
-  if (matrix.type != kCv32F) return distortion;
+  if (matrix.type != kCv32F && !matrix.data.empty()) return std::nullopt;
   for (std::size_t at = 0; at + sizeof(float) <= matrix.data.size() && distortion.size() < 5; at += sizeof(float)) {
     float value = 0;
     std::memcpy(&value, &matrix.data[at], sizeof(float));
-    if (!std::isfinite(value)) return {};
+    if (!std::isfinite(value)) return std::nullopt;
     distortion.push_back(static_cast<double>(value));
   }
   while (!distortion.empty() && distortion.back() == 0) distortion.pop_back();
   return distortion;
+}
+
+std::vector<double> DistortionCoefficients(const KeyFrame& keyframe) {
+  return RecordedDistortion(keyframe).value_or(std::vector<double>());
 }
 
 std::vector<double> LensNumbers(const KeyFrame& keyframe, const Camera* camera) {

@@ -7,6 +7,7 @@
 
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/path.h"
+#include "slamdb/model/sensor.h"
 
 namespace slamdb {
 namespace detail {
@@ -27,18 +28,7 @@ bool OfMost(const Map& map, const Has& has) {
 
 }  // namespace
 
-MapSensor SensorOf(const Map& map) {
-  if (map.keyframes.empty()) return MapSensor::kUnknown;
-  if (OfMost(map, [](const KeyFrame& keyframe) { return keyframe.features.is_fisheye_stereo(); }))
-    return MapSensor::kFisheyeStereo;
-  return OfMost(map, HasDepths) ? MapSensor::kStereoOrRgbd : MapSensor::kMonocular;
-}
-
 bool MeasuresDepth(const KeyFrame& keyframe) { return keyframe.features.is_fisheye_stereo() || HasDepths(keyframe); }
-
-bool HasImu(const Map& map) {
-  return map.inertial || OfMost(map, [](const KeyFrame& keyframe) -> bool { return keyframe.imu_calibration.is_set; });
-}
 
 Trajectory TrajectoryOf(const Map& map) {
   const std::vector<const KeyFrame*> by_time = GoodByTime(map);
@@ -56,6 +46,18 @@ Trajectory TrajectoryOf(const Map& map) {
 }
 
 }  // namespace detail
+
+MapSensor SensorOf(const Map& map) {
+  if (map.keyframes.empty()) return MapSensor::kUnknown;
+  if (detail::OfMost(map, [](const KeyFrame& keyframe) { return keyframe.features.is_fisheye_stereo(); }))
+    return MapSensor::kFisheyeStereo;
+  return detail::OfMost(map, detail::HasDepths) ? MapSensor::kStereoOrRgbd : MapSensor::kMonocular;
+}
+
+bool HasImu(const Map& map) {
+  return map.inertial ||
+         detail::OfMost(map, [](const KeyFrame& keyframe) -> bool { return keyframe.imu_calibration.is_set; });
+}
 
 bool IsMetric(const Map& map) {
   return map.imu_initialized || map.keyframes.empty() || std::ranges::any_of(map.keyframes, detail::MeasuresDepth);

@@ -8,6 +8,9 @@
 
 namespace slamdb {
 
+// Seconds by which a preintegration and the times of its keyframes may differ.
+inline constexpr double kPreintegrationTolerance = 0.02;
+
 // Integrates `imu.measurements` anew with `bias` and `imu.noise`, `imu.walk_noise`.
 // Every other field is set as after ORB-SLAM3's IMU::Preintegrated::Initialize and one IntegrateNewMeasurement each.
 // Sums are double, so results agree with ORB-SLAM3's float sums to float accuracy.

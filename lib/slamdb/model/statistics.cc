@@ -17,6 +17,7 @@
 #include "slamdb/model/detail/edges.h"
 #include "slamdb/model/detail/map_extent.h"
 #include "slamdb/model/index.h"
+#include "slamdb/model/sensor.h"
 
 namespace slamdb {
 namespace {
@@ -63,9 +64,9 @@ class MapCounter {
   MapStatistics Count() {
     CopyRecorded();
     CountKeyFrames();
-    result_.sensor = detail::SensorOf(map_);
+    result_.sensor = SensorOf(map_);
     result_.metric = IsMetric(map_);
-    result_.has_imu = detail::HasImu(map_);
+    result_.has_imu = HasImu(map_);
     result_.up = UpOf(map_);
     MeasureTrajectory();
     CountEdges();

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "slamdb/model/detail/map_extent.h"
+#include "slamdb/model/sensor.h"
 
 namespace slamdb {
 namespace {
@@ -25,9 +26,9 @@ AtlasSummary Summarize(const Atlas& atlas) {
     summary.points += map.points.size();
     summary.landmarks += map.landmarks.size();
     for (const MapPoint& point : map.points) summary.observations += point.observations.size();
-    const MapSensor sensor = detail::SensorOf(map);
+    const MapSensor sensor = SensorOf(map);
     if (sensor != MapSensor::kUnknown) summary.sensors.push_back(sensor);
-    summary.has_imu = summary.has_imu || detail::HasImu(map);
+    summary.has_imu = summary.has_imu || HasImu(map);
     summary.is_metric = summary.is_metric && IsMetric(map);
     Extend(summary, detail::TrajectoryOf(map));
   }

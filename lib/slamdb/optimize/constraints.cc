@@ -62,7 +62,10 @@ std::vector<PoseConstraint> ParseConstraints(std::string_view csv) {
 
 std::vector<PoseConstraint> ReadConstraints(const std::string& path, Notices* notices) {
   Notices unheard;
-  return detail::ParseLines(path, "a table of constraints", notices == nullptr ? unheard : *notices, ParseConstraints);
+  std::vector<PoseConstraint> constraints =
+      detail::ParseLines(path, "a table of constraints", notices == nullptr ? unheard : *notices, ParseConstraints);
+  if (constraints.empty()) throw Error(ErrorKind::kDamaged, path, "", "has no constraint");
+  return constraints;
 }
 
 }  // namespace slamdb

@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/median.h"
 #include "slamdb/base/error.h"
+#include "slamdb/model/detail/edges.h"
 #include "slamdb/model/detail/is_pose.h"
 #include "slamdb/model/index.h"
 #include "slamdb/optimize/detail/find_map.h"
@@ -87,22 +88,23 @@ std::vector<PoseEdge> EssentialGraph(const Map& map, const MapStates& states, co
                                      double depth, PoseGraphReport& report) {
   Collector collector(map, states, options, depth);
   collector.AddConstraints(options.constraints, report.constraints);
-  const auto each = [&](const auto& add) {
-    for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) add(row, map.keyframes[row]);
+  const auto count_of = [&](Tie tie) -> std::uint64_t& {
+    switch (tie) {
+      case Tie::kTree:
+        return report.tree_edges;
+      case Tie::kLoop:
+        return report.loop_edges;
+      case Tie::kMerge:
+        return report.merge_edges;
+      case Tie::kInertial:
+        return report.inertial_edges;
+      case Tie::kCovisibility:
+        break;
+    }
+    return report.covisibility_edges;
   };
-  each([&](std::uint32_t row, const KeyFrame& keyframe) { collector.Add(row, keyframe.parent, report.tree_edges); });
-  each([&](std::uint32_t row, const KeyFrame& keyframe) {
-    for (const KeyFrameId other : keyframe.loop_edges) collector.Add(row, other, report.loop_edges);
-    for (const KeyFrameId other : keyframe.merge_edges) collector.Add(row, other, report.merge_edges);
-  });
-  if (map.inertial || map.imu_initialized)
-    each([&](std::uint32_t row, const KeyFrame& keyframe) {
-      collector.Add(row, keyframe.previous, report.inertial_edges);
-    });
-  each([&](std::uint32_t row, const KeyFrame& keyframe) {
-    for (const Connection& connection : keyframe.connections)
-      if (connection.weight >= options.min_weight) collector.Add(row, connection.keyframe, report.covisibility_edges);
-  });
+  ForEachTie(map, options.min_weight,
+             [&](std::uint32_t row, KeyFrameId other, Tie tie) { collector.Add(row, other, count_of(tie)); });
   return collector.Take();
 }
 

@@ -19,6 +19,7 @@
 #include "slamdb/model/detail/image_bounds.h"
 #include "slamdb/model/detail/lens_numbers.h"
 #include "slamdb/model/index.h"
+#include "slamdb/pictures/detail/record_camera.h"
 
 namespace slamdb {
 namespace {
@@ -197,12 +198,7 @@ std::optional<PictureFeatures> WithCamera(const PictureFeatures& features, const
   PictureFeatures seen = features;
   seen.camera = other.camera;
   seen.bounds = UndistortedBounds(other, other.width, other.height);
-  for (Keypoint& keypoint : seen.keypoints) {
-    const Eigen::Vector2d place =
-        Undistorted(other, {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)});
-    keypoint.x = static_cast<float>(place.x());
-    keypoint.y = static_cast<float>(place.y());
-  }
+  seen.keypoints = detail::WithoutDistortion(other, std::move(seen.keypoints));
   return seen;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/amounts.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
@@ -117,6 +118,12 @@ std::span<const PlotKind> PlotKinds() {
 }
 
 bool CanPlot() { return CanDraw(); }
+
+PlotFormat PlotFormatOf(const std::string& path) {
+  if (path.ends_with(".png")) return PlotFormat::kPng;
+  if (path.ends_with(".svg") || IsSpecialFile(path)) return PlotFormat::kSvg;
+  throw Error(ErrorKind::kUsage, "a plot is an .svg or a .png, which " + path + " does not say");
+}
 
 Plot DrawPlot(const Atlas& atlas, const PlotOptions& options) {
   return std::move(DrawPlots(atlas, std::span(&options, 1)).front());

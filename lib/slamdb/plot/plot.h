@@ -35,6 +35,11 @@ enum class PlotKind {
 
 enum class PlotFormat { kSvg, kPng };
 
+// By the suffix of a file: .svg or .png; of a device or a pipe SVG.
+//
+// Throws Error (kUsage) for another one.
+[[nodiscard]] SLAMDB_EXPORT PlotFormat PlotFormatOf(const std::string& path);
+
 // A truth, and how far trajectories of the atlas are from it.
 struct PlotReference {
   std::vector<TrajectoryPose> poses;  // all of the truth

@@ -186,4 +186,14 @@ SyntheticSessions SynthesizeSessions(const SyntheticOptions& options) {
   return sessions;
 }
 
+void ScaleTo(std::uint64_t bytes, SyntheticOptions& options) {
+  constexpr std::size_t kGridBytes = 64 * 48 * 8;  // a count for each cell
+  constexpr std::size_t kFeatureBytes = 136;       // keypoint twice, descriptor, depth, map point, grid and words
+  constexpr std::size_t kPointBytes = 480;         // with its observations
+  constexpr std::size_t kPointsPerKeyframe = 45;   // which fit into half the features, as a fisheye pair has them
+  const std::size_t keyframe = kGridBytes + options.features * kFeatureBytes + kPointsPerKeyframe * kPointBytes;
+  options.keyframes = std::max<std::size_t>(2, bytes / keyframe / static_cast<std::size_t>(options.maps));
+  options.points = options.keyframes * kPointsPerKeyframe;
+}
+
 }  // namespace slamdb

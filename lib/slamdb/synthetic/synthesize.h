@@ -43,6 +43,9 @@ struct SyntheticOptions {
   Progress progress;
 };
 
+// As many keyframes and points as make a binary .osa file of about so many bytes.
+SLAMDB_EXPORT void ScaleTo(std::uint64_t bytes, SyntheticOptions& options);
+
 // Makes a sound, geometrically consistent atlas as ORB-SLAM3 would have saved it.
 // A camera goes round a room whose walls carry the points.
 // Every keypoint is the noisy projection of a point, or clutter.

@@ -10,6 +10,7 @@
 #include "slamdb/base/progress.h"
 #include "slamdb/base/wording.h"
 #include "slamdb/export.h"
+#include "slamdb/formats/format.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/statistics.h"
 
@@ -29,6 +30,11 @@ struct ViewInput {
   // What the panel says of it, for people. May be empty.
   std::function<std::vector<ViewFact>(const AtlasStatistics&)> facts;
 };
+
+// An atlas as it was read from `path`, with what InfoSections tells of it; in memory alone where that is empty.
+// `format`: of the file; null: not told.
+[[nodiscard]] SLAMDB_EXPORT ViewInput ViewInputOf(const Atlas& atlas, const std::string& path, const Format* format,
+                                                  const Wording& wording = {});
 
 // Which keypoints the page holds.
 enum class ViewKeypoints {

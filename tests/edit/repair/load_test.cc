@@ -10,9 +10,9 @@
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/salvage.h"
-#include "tests/edit/repair/postload.h"
 #include "tests/formats/orbslam3/real_atlases.h"
 #include "tests/support/corrupt.h"
+#include "tests/support/postload.h"
 
 namespace slamdb {
 namespace {

@@ -11,6 +11,7 @@
 #include "slamdb/base/error.h"
 #include "tests/support/corrupt.h"
 #include "tests/support/equals_atlas.h"
+#include "tests/support/kind_of.h"
 
 namespace slamdb {
 
@@ -176,12 +177,56 @@ TEST(Journal, PutsRemovedEntitiesWhereTheyWere) {
   EXPECT_THAT(atlas, EqualsAtlas(before));
 }
 
-TEST(Journal, RefusesToKeepAdditions) {
-  const Atlas before = SoundAtlas(Base::kMonocular);
-  Atlas after = before;
-  after.maps[0].points.emplace_back();
+// Of every list, at every place, beside removals and changes.
+TEST(Journal, TakesAddedEntitiesOut) {
+  const Atlas before = SoundAtlas(Base::kTwoMaps);
+  Atlas atlas = before;
+  std::vector<Map> more = SoundAtlas(Base::kMonocular).maps;
+  more[0].id = MapId(77);
+  atlas.maps.insert(atlas.maps.begin() + 1, more[0]);
+  more[0].id = MapId(78);
+  atlas.maps.push_back(more[0]);
+  atlas.cameras.insert(atlas.cameras.begin(), atlas.cameras[0]);
+  atlas.cameras[0].id = CameraId(9);
+  Map& changed = atlas.maps[0];
+  changed.keyframes.erase(changed.keyframes.begin() + 1);
+  for (std::size_t i = 0; i < 3; ++i) {
+    changed.points.insert(changed.points.begin() + static_cast<std::ptrdiff_t>(2 * i), more[0].points[i]);
+    changed.points[2 * i].id = MapPointId(1'000'000 + i);
+    changed.keyframes.push_back(more[0].keyframes[i]);
+    changed.keyframes.back().id = KeyFrameId(1'000'000 + i);
+  }
+  changed.points[1].position.x() += 1;
   Journal journal;
-  EXPECT_THROW(AppendChanges(before, after, "test", journal), Error);
+  AppendChanges(before, atlas, "test", journal);
+  EXPECT_GT(std::ranges::count_if(journal.edits, &EntityEdit::added), 9);
+  const Journal read = ParseJournal(ToJson(journal));
+  EXPECT_EQ(ToJson(read), ToJson(journal));
+  TakeBack(read, atlas);
+  EXPECT_THAT(atlas, EqualsAtlas(before));
+}
+
+TEST(Journal, TakesMovedEntitiesForRemovedAndAdded) {
+  const Atlas before = SoundAtlas(Base::kMonocular);
+  Atlas atlas = before;
+  std::ranges::reverse(atlas.maps[0].points);
+  atlas.maps[0].points.pop_back();
+  Journal journal;
+  AppendChanges(before, atlas, "test", journal);
+  TakeBack(journal, atlas);
+  EXPECT_THAT(atlas, EqualsAtlas(before));
+}
+
+// An entity that is no longer what was added is nothing to take out.
+TEST(Journal, RefusesToTakeOutWhatChanged) {
+  const Atlas before = SoundAtlas(Base::kMonocular);
+  Atlas atlas = before;
+  atlas.maps[0].points.push_back(before.maps[0].points[0]);
+  atlas.maps[0].points.back().id = MapPointId(1'000'000);
+  Journal journal;
+  AppendChanges(before, atlas, "test", journal);
+  atlas.maps[0].points.back().found_count = 7;
+  EXPECT_EQ(KindOf([&] { TakeBack(journal, atlas); }), ErrorKind::kNotPossible);
 }
 
 }  // namespace

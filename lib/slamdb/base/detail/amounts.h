@@ -29,4 +29,7 @@ SLAMDB_EXPORT std::string DateText(double seconds);
 // Seconds with all their digits: `1403636579.76`.
 SLAMDB_EXPORT std::string SecondsText(double seconds);
 
+// "17.9 s", with the date of the beginning where times tell one: "17.9 s from 2014-06-24 19:02:59 UTC".
+SLAMDB_EXPORT std::string DatedDuration(double begin, double end);
+
 }  // namespace slamdb::detail

@@ -179,4 +179,11 @@ std::string ToJson(const TransformReport& report, const ReportFiles& files) {
   return detail::JsonText(json);
 }
 
+void TellWarnings(const TransformReport& report, Notices& notices) {
+  for (const MovedMap& moved : report.maps) {
+    for (const std::string& warning : moved.warnings) notices.Warn(ToString(moved.map) + ": " + warning);
+    for (const std::string& loss : moved.losses) notices.Lose(ToString(moved.map) + ": " + loss);
+  }
+}
+
 }  // namespace slamdb

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "slamdb/base/notices.h"
 #include "slamdb/base/progress.h"
 #include "slamdb/base/report_files.h"
 #include "slamdb/edit/frame/align_trajectory.h"
@@ -73,6 +74,9 @@ struct TransformReport {
 //                 FindUp)
 // Cost: linear, in place; the bytes are the same for any number of threads.
 SLAMDB_EXPORT TransformReport TransformAtlas(Atlas& atlas, const TransformOptions& options = {});
+
+// What is doubtful, and what is lost, each behind its map.
+SLAMDB_EXPORT void TellWarnings(const TransformReport& report, Notices& notices);
 
 // As schema/transform.schema.json describes it.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const TransformReport& report, const ReportFiles& files = {});

@@ -193,4 +193,15 @@ IdMap Renumber(Atlas& atlas, const RenumberOptions& options) {
   return ids;
 }
 
+std::vector<IdKind> IdKindsByName(const std::vector<std::string>& names) {
+  std::vector<IdKind> kinds;
+  for (const std::string& name : names) {
+    const auto kind = IdKindByName(name);
+    if (!kind && name != "all") throw Error(ErrorKind::kUsage, "no kind of id is called '" + name + "'");
+    for (std::size_t each = 0; each < kIdKinds; ++each)
+      if (!kind || kind == static_cast<IdKind>(each)) kinds.push_back(static_cast<IdKind>(each));
+  }
+  return kinds;
+}
+
 }  // namespace slamdb

@@ -20,6 +20,9 @@ enum class IdOrder {
   kAsIs,  // of the lists of the atlas
 };
 
+// Of several names; `all` is every kind. Throws Error (kUsage) for another one.
+[[nodiscard]] SLAMDB_EXPORT std::vector<IdKind> IdKindsByName(const std::vector<std::string>& names);
+
 struct RenumberOptions {
   std::vector<IdKind> kinds = {IdKind::kMap, IdKind::kKeyFrame, IdKind::kPoint, IdKind::kCamera};
   std::optional<std::int64_t> offset;  // added to every id; without it ids become dense

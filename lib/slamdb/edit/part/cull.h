@@ -54,6 +54,13 @@ struct CullOptions {
     options.min_observations = OfSensor();
     return options;
   }
+
+  // Those of ORB-SLAM3 unless some rule is asked for.
+  void UseOrbslam3UnlessAsked() {
+    if (redundancy || min_observations || max_error || min_parallax || unseen_since) return;
+    redundancy = OfSensor();
+    min_observations = OfSensor();
+  }
 };
 
 struct CullReport {

@@ -45,6 +45,12 @@ void detail::AddRemoved(const SubsetReport& removed, Json& json) {
                     {"joined_preintegrations", removed.joined}};
 }
 
+std::string ToJson(const SubsetReport& report) {
+  Json json;
+  detail::AddRemoved(report, json);
+  return detail::JsonText(json);
+}
+
 std::string ToJson(const ExtractReport& report, const ReportFiles& files) {
   Json json = detail::ReportHead("extract", files);
   detail::AddRemoved(report.removed, json);

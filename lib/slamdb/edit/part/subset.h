@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "slamdb/export.h"
@@ -62,6 +63,9 @@ struct SubsetReport {
   SLAMDB_EXPORT SubsetReport& operator+=(const SubsetReport& next);
   friend bool operator==(const SubsetReport&, const SubsetReport&) = default;
 };
+
+// As reports of verbs have it: `before`, `after`, `cut`, `chosen`.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const SubsetReport& report);
 
 // Removes everything outside `subset` and closes what is left:
 //   observations, slots, covisibility, loop and merge edges that lead out are erased, and counts made right

@@ -41,7 +41,7 @@ struct EntityEdit {
   std::uint64_t row = 0;  // of its list at that moment
   std::uint64_t id = 0;   // for the reader; before the edit, or of what was added. Of an atlas 0
   bool removed = false;   // taken out of its list; `fields` then say how it differed from an entity just made
-  bool added = false;     // put into its list (landmarks); `fields` then say how it differs from an entity just made
+  bool added = false;     // put into its list; `fields` then say how it differs from an entity just made
   std::vector<FieldEdit> fields;
 };
 
@@ -53,17 +53,17 @@ struct Journal {
 };
 
 // Appends what makes `after` of `before` under the name of `rule`.
-// Entities may have been changed and removed; landmarks also added and moved. Encodings do not count.
+// Entities may have been changed, removed, added and moved; those moved are taken for removed and added. Of lists of
+// equal length the rows are compared. Encodings do not count.
 //
-// Throws Error (kNotPossible) when others were added or moved.
-// Cost: linear, but for moved landmarks, which are taken for removed and added.
+// Cost: linear; n log n for lists that something was added to.
 SLAMDB_EXPORT void AppendChanges(const Atlas& before, const Atlas& after, std::string_view rule, Journal& journal);
 
 // Takes the edits back, the last one first: bit by bit what it was, uninitialised values and the order of lists
 // included. Hashes and encoding do not count here; UndoRepair holds the atlas against them.
 //
 // Throws Error (kNotPossible), and leaves `atlas` in between, where it does not hold what an edit made.
-// Cost: linear in the edits, and in each list of which something was removed.
+// Cost: linear in the edits, and in each list of which something was removed or added.
 SLAMDB_EXPORT void TakeBack(const Journal& journal, Atlas& atlas);
 
 struct UndoOptions {

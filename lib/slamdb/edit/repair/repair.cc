@@ -114,4 +114,13 @@ RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options) {
   return report;
 }
 
+std::vector<std::string> ErrorsOf(const std::vector<Unrepaired>& left) {
+  std::vector<std::string> errors;
+  for (const Unrepaired& rule : left)
+    if (rule.severity == Severity::kError)
+      errors.push_back(rule.rule + ": " + ToString(rule.first.place) + ": " + rule.first.message + "; stays, since " +
+                       rule.reason);
+  return errors;
+}
+
 }  // namespace slamdb

@@ -63,6 +63,9 @@ struct RepairReport {
 // outcome is the same for any number of threads.
 SLAMDB_EXPORT RepairReport RepairAtlas(Atlas& atlas, const RepairOptions& options = {});
 
+// Of what a repair has left, the errors: where, what, and why it stays.
+[[nodiscard]] SLAMDB_EXPORT std::vector<std::string> ErrorsOf(const std::vector<Unrepaired>& left);
+
 // As schema/repair.schema.json describes it.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const RepairReport& report, const ReportFiles& files = {});
 

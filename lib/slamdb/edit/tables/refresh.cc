@@ -5,26 +5,6 @@
 #include "slamdb/model/detail/observed.h"
 
 namespace slamdb::detail {
-namespace {
-
-template <class Find>
-bool Refresh(const Find& find, bool own_normal, bool own_range, MapPoint& point) {
-  bool refreshed = false;
-  if (const auto normal = ObservedNormal(point, find); normal && !own_normal) {
-    point.normal = *normal;
-    refreshed = true;
-  }
-  const KeyFrame* reference = find(point.reference);
-  if (reference == nullptr || own_range) return refreshed;
-  const DistanceRange range = ObservedRange(point, *reference);
-  if (!(range.max > 0)) return refreshed;
-  point.min_distance = range.min;
-  point.max_distance = range.max;
-  return true;
-}
-
-}  // namespace
-
 std::uint64_t RefreshMoved(const AtlasIndex& index, const std::vector<EditedMap>& edited, Atlas& atlas) {
   std::uint64_t refreshed = 0;
   for (std::size_t m = 0; m < atlas.maps.size(); ++m) {
@@ -37,7 +17,7 @@ std::uint64_t RefreshMoved(const AtlasIndex& index, const std::vector<EditedMap>
     for (std::size_t row = 0; row < rows.moved.size(); ++row) {
       MapPoint& point = atlas.maps[m].points[row];
       if (rows.moved[row] == 0 && !std::ranges::any_of(point.observations, has_moved)) continue;
-      refreshed += Refresh(find, rows.own_normal[row] != 0, rows.own_range[row] != 0, point) ? 1 : 0;
+      refreshed += RefreshView(find, rows.own_normal[row] != 0, rows.own_range[row] != 0, point) ? 1 : 0;
     }
   }
   return refreshed;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/open_end.h"
 #include "slamdb/base/detail/parse_file.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/tables/detail/cells.h"
@@ -176,6 +177,14 @@ void ApplyTables(Atlas& atlas, const TableEditOptions& options, TableEditReport&
   report.removed = KeepSubset(atlas, subset, options.threads);
 }
 
+void WarnOf(const std::string& path, const TableEditChanges& changes, Notices& notices) {
+  if (changes.has_open_end) notices.Warn(detail::OpenEndWarning(path));
+  if (changes.ignored.empty()) return;
+  std::string names;
+  for (const std::string& name : changes.ignored) names += (names.empty() ? "" : ", ") + name;
+  notices.Warn(path + ": columns of other names are left aside: " + names);
+}
+
 }  // namespace
 
 TableEditReport EditByTables(Atlas& atlas, const TableEditOptions& options) {
@@ -191,6 +200,11 @@ TableEditReport EditByTables(Atlas& atlas, const TableEditOptions& options) {
   }
   atlas = std::move(edited);
   return report;
+}
+
+void TellWarnings(const TableEditReport& report, const TableEditOptions& options, Notices& notices) {
+  if (options.points) WarnOf(options.points->path, report.points, notices);
+  if (options.keyframes) WarnOf(options.keyframes->path, report.keyframes, notices);
 }
 
 }  // namespace slamdb

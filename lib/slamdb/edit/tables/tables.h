@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slamdb/base/file.h"
+#include "slamdb/base/notices.h"
 #include "slamdb/base/progress.h"
 #include "slamdb/base/report_files.h"
 #include "slamdb/edit/part/subset.h"
@@ -62,6 +63,9 @@ struct TableEditReport {
 //   kUsage        neither table is given
 // Cost: linear; holds a second copy of the atlas meanwhile.
 SLAMDB_EXPORT TableEditReport EditByTables(Atlas& atlas, const TableEditOptions& options);
+
+// Columns that mean nothing, and tables that may be cut.
+SLAMDB_EXPORT void TellWarnings(const TableEditReport& report, const TableEditOptions& options, Notices& notices);
 
 // As schema/edit.schema.json describes it.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const TableEditReport& report, const ReportFiles& files = {});

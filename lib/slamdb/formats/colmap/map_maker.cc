@@ -15,6 +15,7 @@
 #include "slamdb/formats/import/detail/keypoints.h"
 #include "slamdb/model/colors.h"
 #include "slamdb/model/detail/matrix_types.h"
+#include "slamdb/pictures/detail/record_camera.h"
 
 namespace slamdb::colmap {
 
@@ -105,12 +106,11 @@ KeyFrame MapMaker::KeyFrameOf(std::uint32_t row) {
   keyframe.frame_id = keyframe.id.value();
   keyframe.timestamp = TimeInName(image.name).value_or(std::numeric_limits<double>::quiet_NaN());
   keyframe.camera_from_world = RigidOf(place.camera_from_world);
-  keyframe.camera = settings.camera.id;
-  SetCalibration(settings, keyframe);
+  detail::RecordCamera(settings, keyframe);
   AddKeypoints(image, keyframe.features.keypoints, keyframe.features);
   if (place.right) AddRight(model_.images[*place.right], place, keyframe);
   Features& features = keyframe.features;
-  if (settings.camera.model == CameraModel::kPinhole) Undistort(settings, features);
+  features.undistorted = detail::WithoutDistortion(settings, features.keypoints);
   SetDescriptors(keyframe);
   return keyframe;
 }
@@ -135,43 +135,11 @@ void MapMaker::SetDescriptors(KeyFrame& keyframe) {
 
 void MapMaker::AddRight(const Image& image, const Place& place, KeyFrame& keyframe) {
   Features& features = keyframe.features;
-  const CameraSettings& settings = settings_.at(image.camera);
-  keyframe.right_camera = settings.camera.id;
-  keyframe.left_from_right = RigidOf(Inverse(place.right_from_left));
-  keyframe.intrinsics.baseline = keyframe.left_from_right.translation.norm();
-  keyframe.intrinsics.baseline_fx = keyframe.intrinsics.baseline * keyframe.intrinsics.fx;
-  keyframe.half_baseline = keyframe.intrinsics.baseline / 2;
+  detail::RecordPair(settings_.at(image.camera).camera.id, RigidOf(Inverse(place.right_from_left)), keyframe);
   features.left_count = static_cast<std::int32_t>(features.keypoints.size());
   AddKeypoints(image, features.right_keypoints, features);
-  MatchSides(features);
+  detail::MatchSides(features);
   features.right_count = static_cast<std::int32_t>(features.right_keypoints.size());
-}
-
-void MapMaker::MatchSides(Features& features) {
-  const auto left = static_cast<std::size_t>(features.left_count);
-  features.right_of_left.assign(left, -1);
-  features.left_of_right.assign(features.right_keypoints.size(), -1);
-  std::unordered_map<std::uint64_t, std::size_t> left_of_point;
-  for (std::size_t row = 0; row < left; ++row)
-    if (features.map_points[row]) left_of_point.emplace(features.map_points[row].value(), row);
-  for (std::size_t row = left; row < features.map_points.size(); ++row) {
-    const auto match = left_of_point.find(features.map_points[row].value());
-    if (match == left_of_point.end()) continue;
-    features.right_of_left[match->second] = static_cast<std::int32_t>(row - left);
-    features.left_of_right[row - left] = static_cast<std::int32_t>(match->second);
-  }
-}
-
-void MapMaker::SetCalibration(const CameraSettings& settings, KeyFrame& keyframe) {
-  const std::vector<float>& p = settings.camera.parameters;
-  keyframe.intrinsics.fx = p[0];
-  keyframe.intrinsics.fy = p[1];
-  keyframe.intrinsics.cx = p[2];
-  keyframe.intrinsics.cy = p[3];
-  std::vector<double> distortion = settings.distortion;
-  distortion.resize(std::max<std::size_t>(distortion.size(), 4), 0);
-  keyframe.distortion = detail::FloatColumn(distortion);
-  keyframe.bounds = UndistortedBounds(settings, settings.width, settings.height);
 }
 
 void MapMaker::AddKeypoints(const Image& image, Column<Keypoint>& keypoints, Features& features) {
@@ -217,17 +185,6 @@ MapPointId MapMaker::Seen(std::uint64_t point) {
   if (known_points_.contains(point) && points_seen_.insert(point).second) return MapPointId(point + points_above_);
   ++unread_.keypoints;
   return {};
-}
-
-void MapMaker::Undistort(const CameraSettings& settings, Features& features) {
-  features.undistorted = features.keypoints;
-  if (settings.distortion.empty()) return;
-  for (Keypoint& keypoint : features.undistorted) {
-    const Eigen::Vector2d at =
-        Undistorted(settings, {static_cast<double>(keypoint.x), static_cast<double>(keypoint.y)});
-    keypoint.x = static_cast<float>(at.x());
-    keypoint.y = static_cast<float>(at.y());
-  }
 }
 
 }  // namespace slamdb::colmap

@@ -18,18 +18,6 @@ namespace {
 
 constexpr std::size_t kKeyFrameGrain = 16;
 
-// The root: what the reader says, or the lowest id of those without a parent, or the lowest of all.
-KeyFrameId RootOf(const Map& map) {
-  if (map.first_keyframe) return map.first_keyframe;
-  KeyFrameId lowest, root;
-  for (const KeyFrame& keyframe : map.keyframes) {
-    if (keyframe.bad) continue;
-    lowest = std::min(lowest, keyframe.id);
-    if (!keyframe.parent) root = std::min(root, keyframe.id);
-  }
-  return root ? root : lowest;
-}
-
 void CompleteGraph(Map& map, Completed& completed) {
   const auto connected = [](const KeyFrame& keyframe) { return !keyframe.connections.empty(); };
   if (!std::ranges::any_of(map.keyframes, connected)) {
@@ -43,15 +31,6 @@ void CompleteGraph(Map& map, Completed& completed) {
   for (KeyFrame& keyframe : map.keyframes) {
     keyframe.first_connection = keyframe.id == map.first_keyframe;
     if (!keyframe.loop_edges.empty() || !keyframe.merge_edges.empty()) keyframe.not_erase = true;
-  }
-}
-
-void CompleteIds(Map& map) {
-  if (!map.initial_keyframe) map.initial_keyframe = map.first_keyframe;
-  if (map.origins.empty() && map.first_keyframe) map.origins.push_back(map.first_keyframe);
-  for (const KeyFrame& keyframe : map.keyframes) {
-    if (!keyframe.bad) map.lowest_keyframe = std::min(map.lowest_keyframe, keyframe.id);
-    if (keyframe.id) map.max_keyframe_id = std::max(map.max_keyframe_id, keyframe.id.value());
   }
 }
 
@@ -94,6 +73,26 @@ bool LacksWords(const Atlas& atlas) {
 }
 
 }  // namespace
+
+KeyFrameId RootOf(const Map& map) {
+  if (map.first_keyframe) return map.first_keyframe;
+  KeyFrameId lowest, root;
+  for (const KeyFrame& keyframe : map.keyframes) {
+    if (keyframe.bad) continue;
+    lowest = std::min(lowest, keyframe.id);
+    if (!keyframe.parent) root = std::min(root, keyframe.id);
+  }
+  return root ? root : lowest;
+}
+
+void CompleteIds(Map& map) {
+  if (!map.initial_keyframe) map.initial_keyframe = map.first_keyframe;
+  if (map.origins.empty() && map.first_keyframe) map.origins.push_back(map.first_keyframe);
+  for (const KeyFrame& keyframe : map.keyframes) {
+    if (!keyframe.bad) map.lowest_keyframe = std::min(map.lowest_keyframe, keyframe.id);
+    if (keyframe.id) map.max_keyframe_id = std::max(map.max_keyframe_id, keyframe.id.value());
+  }
+}
 
 void CompleteAtlas(Atlas& atlas, std::string_view program, int threads, Notices& notices) {
   Completed completed;

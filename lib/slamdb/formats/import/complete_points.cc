@@ -132,9 +132,13 @@ void CompletePoints(Map& map, int threads, Completed& completed) {
     CollectObservations(map, completed);
   else if (!std::ranges::any_of(map.keyframes, sees_points))
     FillSlots(map, completed);
+  SummarizePoints(map, 0, threads, completed);
+}
+
+void SummarizePoints(Map& map, std::size_t first, int threads, Completed& completed) {
   const Summary summary(map, completed);
-  ParallelFor(map.points.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) summary.Complete(map.points[row]);
+  ParallelFor(map.points.size() - first, kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) summary.Complete(map.points[first + row]);
   });
 }
 

@@ -39,4 +39,11 @@ std::string LayoutText(const Layout& layout) {
   return text + "\n  }\n}\n";
 }
 
+std::string LayoutNamed(const std::string& id_or_path) {
+  if (id_or_path.empty()) return {};
+  const Layout layout = LoadLayout(id_or_path);
+  const Layout* known = FindKnownLayout(layout.id);
+  return known != nullptr && SameBytes(*known, layout) ? known->id : ToJson(layout);
+}
+
 }  // namespace slamdb

@@ -32,4 +32,26 @@ RowPairs EdgesOf(const Map& map, Column<KeyFrameId> KeyFrame::*list, const RowOf
   return edges;
 }
 
+// What ties keyframes to each other in ORB-SLAM3's essential graph. With an IMU also what came before.
+enum class Tie { kTree, kLoop, kMerge, kInertial, kCovisibility };
+
+// Calls visit(row, other's id, tie), kind after kind; both ends may say the same edge.
+template <class Visit>
+void ForEachTie(const Map& map, int min_weight, const Visit& visit) {
+  const auto each = [&](const auto& of) {
+    for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) of(row, map.keyframes[row]);
+  };
+  each([&](std::uint32_t row, const KeyFrame& keyframe) { visit(row, keyframe.parent, Tie::kTree); });
+  each([&](std::uint32_t row, const KeyFrame& keyframe) {
+    for (const KeyFrameId other : keyframe.loop_edges) visit(row, other, Tie::kLoop);
+    for (const KeyFrameId other : keyframe.merge_edges) visit(row, other, Tie::kMerge);
+  });
+  if (map.inertial || map.imu_initialized)
+    each([&](std::uint32_t row, const KeyFrame& keyframe) { visit(row, keyframe.previous, Tie::kInertial); });
+  each([&](std::uint32_t row, const KeyFrame& keyframe) {
+    for (const Connection& connection : keyframe.connections)
+      if (connection.weight >= min_weight) visit(row, connection.keyframe, Tie::kCovisibility);
+  });
+}
+
 }  // namespace slamdb::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,10 @@
 // What a keyframe was seen through, as numbers that can be compared between programs.
 namespace slamdb::detail {
 
-// What a keyframe says of distortion: k1 k2 p1 p2 [k3], without zeros at the end. Empty: none, or not finite.
+// What a keyframe says of distortion: k1 k2 p1 p2 [k3], without zeros at the end. Empty: none. nullopt: what it says is
+// not of floats, or not finite.
+SLAMDB_EXPORT std::optional<std::vector<double>> RecordedDistortion(const KeyFrame& keyframe);
+// The same; none where that cannot be told.
 SLAMDB_EXPORT std::vector<double> DistortionCoefficients(const KeyFrame& keyframe);
 
 // fx fy cx cy, then the distortion: of a fisheye lens the camera's, else the keyframe's. Empty when the focal length is

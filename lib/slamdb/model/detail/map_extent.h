@@ -7,11 +7,8 @@
 // What statistics and summaries of a map have in common.
 namespace slamdb::detail {
 
-MapSensor SensorOf(const Map& map);
 // Whether a keyframe has points whose depth it measured: stereo, a depth camera, two fisheye cameras.
 bool MeasuresDepth(const KeyFrame& keyframe);
-// Calibrated keyframes, or the map says it is inertial.
-bool HasImu(const Map& map);
 
 // Of good keyframes with a finite timestamp, and through their finite camera centres by time.
 struct Trajectory {

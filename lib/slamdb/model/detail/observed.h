@@ -56,4 +56,22 @@ inline DistanceRange ObservedRange(const MapPoint& point, const KeyFrame& refere
   return DeriveDistanceRange(distance, keypoint->octave, reference.pyramid);
 }
 
+// Normal and distance range of a point as its observers see it (MapPoint::UpdateNormalAndDepth), but for what is its
+// own. Whether any was set.
+template <class Find>
+bool RefreshView(const Find& find, bool own_normal, bool own_range, MapPoint& point) {
+  bool refreshed = false;
+  if (const auto normal = ObservedNormal(point, find); normal && !own_normal) {
+    point.normal = *normal;
+    refreshed = true;
+  }
+  const KeyFrame* reference = find(point.reference);
+  if (reference == nullptr || own_range) return refreshed;
+  const DistanceRange range = ObservedRange(point, *reference);
+  if (!(range.max > 0)) return refreshed;
+  point.min_distance = range.min;
+  point.max_distance = range.max;
+  return true;
+}
+
 }  // namespace slamdb::detail

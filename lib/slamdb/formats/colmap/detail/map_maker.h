@@ -32,9 +32,6 @@ class MapMaker {
   // Of all keypoints or of none: ORB's are columns, others travel along.
   void SetDescriptors(KeyFrame& keyframe);
   void AddRight(const Image& image, const Place& place, KeyFrame& keyframe);
-  // Keypoints of both sides that are the same point.
-  static void MatchSides(Features& features);
-  static void SetCalibration(const CameraSettings& settings, KeyFrame& keyframe);
   // Behind those that are there. Of a lens that we have not, where a pinhole would see them.
   void AddKeypoints(const Image& image, Column<Keypoint>& keypoints, Features& features);
   // What the database has of the image.
@@ -42,7 +39,6 @@ class MapMaker {
   // Pyramids are of eight levels of 1.2, as ORB-SLAM3's examples have them.
   static void SetShape(float scale, float angle, Keypoint& keypoint);
   MapPointId Seen(std::uint64_t point);
-  static void Undistort(const CameraSettings& settings, Features& features);
 
   const Model& model_;
   FeatureDatabase* database_;

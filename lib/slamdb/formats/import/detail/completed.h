@@ -23,5 +23,13 @@ void CompleteFeatures(KeyFrame& keyframe, Completed& completed);
 
 // Observations and slots, then what follows from them for each point.
 void CompletePoints(Map& map, int threads, Completed& completed);
+// The latter alone, of the points from row `first` on.
+void SummarizePoints(Map& map, std::size_t first, int threads, Completed& completed);
+
+// The root of the spanning tree: what is recorded, or the lowest id of those without a parent, or the lowest of all.
+KeyFrameId RootOf(const Map& map);
+
+// The initial, origin and lowest keyframes, and the largest id.
+void CompleteIds(Map& map);
 
 }  // namespace slamdb::detail

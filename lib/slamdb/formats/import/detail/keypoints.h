@@ -18,4 +18,7 @@ constexpr Keypoint KeypointAt(float x, float y) {
   return {.angle = 0, .response = 0, .size = kPatch, .x = x, .y = y, .class_id = -1, .octave = 0};
 }
 
+// Matches the keypoints of both sides of a fisheye pair that are the same point.
+void MatchSides(Features& features);
+
 }  // namespace slamdb::detail

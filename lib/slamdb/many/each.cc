@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/many/each.h"
+
+#include <algorithm>
+#include <mutex>
+#include <string_view>
+
+#include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/formats.h"
+
+namespace slamdb {
+namespace {
+
+// How many of several are done, told one at a time.
+class Done {
+ public:
+  Done(const Progress& progress, std::size_t count) : progress_(progress), count_(count) {}
+
+  // Throws what the listener throws, to end the work.
+  void Tell(std::size_t more = 0) {
+    if (!progress_) return;
+    const std::lock_guard lock(mutex_);
+    done_ += more;
+    progress_(std::to_string(done_) + " of " + std::to_string(count_),
+              static_cast<double>(done_) / static_cast<double>(count_));
+  }
+
+ private:
+  const Progress& progress_;
+  const std::size_t count_;
+  std::mutex mutex_;
+  std::size_t done_ = 0;
+};
+
+}  // namespace
+
+void ForEachRow(std::size_t count, const ReadOptions& read,
+                const std::function<void(std::size_t row, const ReadOptions& read)>& work) {
+  if (count == 1) return work(0, read);
+  Done done(read.progress, count);
+  ReadOptions own = read;
+  if (read.progress) own.progress = [&done](std::string_view, double) { done.Tell(); };
+  own.threads = std::max(1, detail::ThreadCount(read.threads) / static_cast<int>(std::max<std::size_t>(count, 1)));
+  detail::ParallelFor(count, 1, read.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      work(row, own);
+      done.Tell(1);
+    }
+  });
+}
+
+std::shared_ptr<const Atlas> AtlasOf(const AtlasInput& input, ReadOptions read, Notices& notices) {
+  if (input.atlas) return input.atlas;
+  read.needs = Content::kObservations | Content::kLandmarks;
+  return std::make_shared<const Atlas>(ReadAtlas(input.location, read, &notices));
+}
+
+}  // namespace slamdb

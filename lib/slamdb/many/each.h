@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <new>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "slamdb/base/error.h"
+#include "slamdb/base/notices.h"
+#include "slamdb/export.h"
+#include "slamdb/formats/format.h"
+#include "slamdb/many/inputs.h"
+
+// The same work on each of many atlases: one that fails does not stop the others.
+namespace slamdb {
+
+// What became of one of several inputs.
+template <class Result>
+struct Outcome {
+  std::string path;
+  Result result{};
+  std::string error;  // empty: it worked
+  Notices notices;    // what its reader had to say
+
+  bool ok() const { return error.empty(); }
+};
+
+// Calls work(row, read options) for each of `count` inputs, several at a time. One input alone has all threads, and a
+// progress of its own; of several it is told how many are done.
+// Throws what `work` and the progress throw.
+SLAMDB_EXPORT void ForEachRow(std::size_t count, const ReadOptions& read,
+                              const std::function<void(std::size_t row, const ReadOptions& read)>& work);
+
+// Calls work(input, read options, notices) for every input; what it gives, or the Error that it throws, is its outcome.
+// Outcomes are in the order of the inputs.
+template <class Result, class Work>
+std::vector<Outcome<Result>> ForEachInput(std::span<const AtlasInput> inputs, const ReadOptions& read,
+                                          const Work& work) {
+  std::vector<Outcome<Result>> outcomes(inputs.size());
+  ForEachRow(inputs.size(), read, [&](std::size_t row, const ReadOptions& own) {
+    const AtlasInput& input = inputs[row];
+    Outcome<Result>& outcome = outcomes[row];
+    outcome.path = input.location.ToString();
+    outcome.error = input.failure;
+    try {
+      if (outcome.ok()) outcome.result = work(input, own, outcome.notices);
+    } catch (const Error& error) {
+      outcome.error = error.path().empty() ? Error(error.kind(), outcome.path, error.place(), error.problem()).what()
+                                           : error.what();
+    } catch (const std::bad_alloc&) {
+      outcome.error = Error(ErrorKind::kOutOfResources, outcome.path, "", "memory does not suffice").what();
+    }
+  });
+  return outcomes;
+}
+
+// The atlas of an input, whole: read, or the one that is in memory.
+//
+// Throws Error as ReadAtlas does.
+[[nodiscard]] SLAMDB_EXPORT std::shared_ptr<const Atlas> AtlasOf(const AtlasInput& input, ReadOptions read,
+                                                                 Notices& notices);
+
+}  // namespace slamdb

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/stl.h>
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "python/src/arrays.h"
+#include "python/src/errors.h"
+#include "python/src/held_atlas.h"
+#include "python/src/inputs.h"
+#include "python/src/module.h"
+#include "python/src/selections.h"
+#include "python/src/unlocked.h"
+#include "python/src/verb.h"
+#include "slamdb/base/atomic_file.h"
+#include "slamdb/formats/layouts/layout_text.h"
+#include "slamdb/many/list.h"
+#include "slamdb/many/report.h"
+
+// Many atlases, and what is told of them. slamdb/many.py and slamdb/outputs.py document what is here.
+namespace slamdb::python {
+
+namespace py = pybind11;
+
+namespace {
+
+void DefineFind(py::module_& module) {
+  module.def("find_atlases", [](const py::dict& values) {
+    Arguments given(values);
+    const ManyInputs inputs = InputsOf(given);
+    given.RequireAllTaken();
+    const AtlasInputs found = [&] {
+      const Unlocked unlocked;
+      return inputs.Find();
+    }();
+    py::list atlases;
+    for (const AtlasInput& atlas : found.atlases)
+      atlases.append(py::make_tuple(TextOf(atlas.location.ToString()), TextOf(atlas.below), TextOf(atlas.failure)));
+    return atlases;
+  });
+}
+
+// time, near, keyframes.
+MapQuery QueryOf(Arguments& given) {
+  MapQuery query;
+  if (given.Has("time")) {
+    query.times = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    TakeRange(given, "time", query.times->begin, query.times->end);
+  }
+  if (given.Has("keyframes")) {
+    query.keyframes = {0, std::numeric_limits<std::uint64_t>::max()};
+    TakeRange(given, "keyframes", query.keyframes->first, query.keyframes->last);
+  }
+  if (given.Has("near")) {
+    RequireNumpy();
+    const auto [center, radius] = given.Get<std::pair<Eigen::Vector3d, double>>("near");
+    query.near = {center, radius};
+  }
+  return query;
+}
+
+void DefineList(py::module_& module) {
+  DefineReport(module, "list_atlases", [](Arguments& given) {
+    ListOptions options{.query = QueryOf(given)};
+    if (given.Get<bool>("check")) options.check.emplace();
+    given.Take("format", options.format);
+    options.layout = LayoutNamed(given.Path("layout"));
+    given.Take("wait", options.lock_timeout, cli::kNonNegative);
+    given.TakeRun(options);
+    std::vector<SortKey> keys;
+    for (const auto& word : given.Get<std::vector<std::string>>("sort")) keys.push_back(SortKeyOf(word));
+    return [options, keys, inputs = InputsOf(given)](Notices&) {
+      std::vector<ListedAtlas> atlases = ListAtlases(inputs.Find(), options);
+      SortAtlases(atlases, keys);
+      const std::vector<std::string> named = inputs.Named();
+      return ToJson(atlases, named.size() == 1 ? named.front() : std::string());
+    };
+  });
+}
+
+// Pages about atlases: the page or the index, its report, and the thumbnail of one.
+void DefinePages(py::module_& module) {
+  module.def("report", [](const py::dict& values) {
+    Arguments given(values);
+    const ManyInputs inputs = InputsOf(given);
+    ReportOptions options{.read = ReadingOf(given), .check = CheckOptionsOf(given), .wording = cli::InCommandWords};
+    const OutputFile output = given.Output("output");
+    options.output = output.path;
+    options.overwrite = output.options.overwrite;
+    given.RequireAllTaken();
+    Notices notices;
+    const Reports reports = [&] {
+      const Unlocked unlocked;
+      return WriteReports(inputs.Named(), inputs.Find(), options);
+    }();
+    TellOutcomes(reports.outcomes, notices);
+    const bool one = reports.outcomes.size() == 1;
+    return py::make_tuple(TextOf(reports.page), Report(ToJson(reports, options.output)),
+                          py::bytes(one ? reports.outcomes.front().result.thumbnail : std::string()), ListOf(notices));
+  });
+}
+
+}  // namespace
+
+void DefineMany(py::module_& module) {
+  DefineFind(module);
+  DefineList(module);
+  DefinePages(module);
+  module.def("summarize", [](const HeldAtlas& atlas) {
+    const auto value = atlas.value();
+    const Unlocked unlocked;
+    return ToJson(Summarize(*value));
+  });
+  module.def("write_file", [](const py::object& path, const py::bytes& data, bool overwrite, bool sync) {
+    const OutputFile file{.path = TextOfPath(path), .options = {.overwrite = overwrite, .sync = sync}};
+    const std::string_view held(data);  // by the caller's argument
+    const Unlocked unlocked;
+    RefuseAtlas(file.path);
+    file.Write(held);
+  });
+}
+
+}  // namespace slamdb::python
