@@ -3,7 +3,6 @@
 #include "python/src/module.h"
 #include "python/src/verb.h"
 #include "slamdb/align/merge_aligned.h"
-#include "slamdb/base/atomic_file.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/merge.h"
@@ -40,9 +39,7 @@ MapsToAlign MapsOf(const Sources& sources, const ReadOptions& read, Notices& not
       store = std::move(whole);
       continue;
     }
-    maps.Add(
-        source.atlas ? source.atlas : std::make_shared<const Atlas>(ReadAtlas(Location(source.path), read, &notices)),
-        source.path);
+    maps.Add(Hold(source, read, notices), source.path);
   }
   if (store) maps.AddLikely(*store, inputs, read, notices);
   return maps;

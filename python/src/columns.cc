@@ -69,11 +69,6 @@ py::object ConnectionsOf(const KeyFramesInMap& keyframes) {
   return make(ArrayOf(offsets), ArrayOf(others), ArrayOf(weights));
 }
 
-template <Flag KeyFrame::*Member>
-py::array FlagsOf(const KeyFramesInMap& keyframes) {
-  return Computed<bool>(*keyframes.list(), [](const KeyFrame& k) { return static_cast<bool>(k.*Member); });
-}
-
 void DefineKeyFrameColumns(KeyFramesClass keyframes) {
   keyframes
       .def_property_readonly("poses_quaternion", &PosesQuaternion,
@@ -111,9 +106,9 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
                                  [](const KeyFrame& k) -> auto& { return k.preintegration.bias.accelerometer; }, 6),
                              "(N, 6) float32: accelerometer m/s^2, gyroscope rad/s; measurements were integrated with "
                              "them")
-      .def_property_readonly("not_erase", &FlagsOf<&KeyFrame::not_erase>,
+      .def_property_readonly("not_erase", &FlagsOf<&KeyFrame::not_erase, KeyFramesInMap>,
                              "(N,) bool, computed: those that must not be culled")
-      .def_property_readonly("to_be_erased", &FlagsOf<&KeyFrame::to_be_erased>, "(N,) bool, computed")
+      .def_property_readonly("to_be_erased", &FlagsOf<&KeyFrame::to_be_erased, KeyFramesInMap>, "(N,) bool, computed")
       .def(
           "rows_of",
           [](const KeyFramesInMap& k, const py::object& ids) { return RowsOf(k, KeyFrameTable(*k.of.map()), ids); },

@@ -92,10 +92,7 @@ WriteOptions WritingOf(Arguments& given) {
 template <class Work>
 auto Told(const Work& work) {
   Notices notices;
-  auto result = [&] {
-    const Unlocked unlocked;
-    return work(notices);
-  }();
+  auto result = WithoutGil([&] { return work(notices); });
   return std::pair(std::move(result), ListOf(notices));
 }
 

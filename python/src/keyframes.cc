@@ -44,12 +44,7 @@ void DefineColumns(py::class_<KeyFramesInMap>& keyframes) {
                              "(N,) uint64: ids of parents in the spanning tree; NONE for its root")
       .def_property_readonly("velocities", Members<float>(&KeyFrame::velocity, 3),
                              "(N, 3) float32, writable: m/s, world; of maps with an IMU")
-      .def_property_readonly(
-          "bad",
-          [](const KeyFramesInMap& k) {
-            return Computed<bool>(*k.list(), [](const KeyFrame& keyframe) { return static_cast<bool>(keyframe.bad); });
-          },
-          "(N,) bool, computed: culled");
+      .def_property_readonly("bad", &FlagsOf<&KeyFrame::bad, KeyFramesInMap>, "(N,) bool, computed: culled");
 }
 
 // Made when it is asked for, so that importing slamdb does not import numpy.

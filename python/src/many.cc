@@ -16,7 +16,6 @@
 #include "python/src/selections.h"
 #include "python/src/unlocked.h"
 #include "python/src/verb.h"
-#include "slamdb/base/atomic_file.h"
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/many/list.h"
 #include "slamdb/many/report.h"
@@ -33,10 +32,7 @@ void DefineFind(py::module_& module) {
     Arguments given(values);
     const ManyInputs inputs = InputsOf(given);
     given.RequireAllTaken();
-    const AtlasInputs found = [&] {
-      const Unlocked unlocked;
-      return inputs.Find();
-    }();
+    const AtlasInputs found = WithoutGil([&] { return inputs.Find(); });
     py::list atlases;
     for (const AtlasInput& atlas : found.atlases)
       atlases.append(py::make_tuple(TextOf(atlas.location.ToString()), TextOf(atlas.below), TextOf(atlas.failure)));
@@ -93,10 +89,7 @@ void DefinePages(py::module_& module) {
     options.overwrite = output.options.overwrite;
     given.RequireAllTaken();
     Notices notices;
-    const Reports reports = [&] {
-      const Unlocked unlocked;
-      return WriteReports(inputs.Named(), inputs.Find(), options);
-    }();
+    const Reports reports = WithoutGil([&] { return WriteReports(inputs.Named(), inputs.Find(), options); });
     TellOutcomes(reports.outcomes, notices);
     const bool one = reports.outcomes.size() == 1;
     return py::make_tuple(TextOf(reports.page), Report(ToJson(reports, options.output)),

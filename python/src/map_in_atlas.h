@@ -65,6 +65,12 @@ auto FixedMembers(Member Entity::*member) {
   return FixedMembersOf<EntitiesOf<Entity>, Number>(member);
 }
 
+// A flag of all of them, computed.
+template <auto Member, class Entities>
+pybind11::array FlagsOf(const Entities& entities) {
+  return Computed<bool>(*entities.list(), [](const auto& entity) { return static_cast<bool>(entity.*Member); });
+}
+
 // The row that a Python index means, which counts from the end where it is negative.
 inline std::size_t RowAt(pybind11::ssize_t index, std::size_t size) {
   if (index < 0) index += static_cast<pybind11::ssize_t>(size);

@@ -44,10 +44,7 @@ std::shared_ptr<HeldAtlas> Alone(const MapInAtlas& map) {
 // What is in each of its maps, as far as a notebook shows it.
 py::list Statistics(const HeldAtlas& atlas) {
   const auto value = atlas.value();
-  const AtlasStatistics statistics = [&] {
-    const Unlocked unlocked;
-    return ComputeStatistics(*value);
-  }();
+  const AtlasStatistics statistics = WithoutGil([&] { return ComputeStatistics(*value); });
   py::list maps;
   for (const MapStatistics& map : statistics.maps) {
     py::dict row;
@@ -139,10 +136,7 @@ py::tuple ViewPageOf(const py::dict& values) {
   const Viewing viewing = ViewingOf(given);
   given.RequireAllTaken();
   Notices notices;
-  const ViewPage page = [&] {
-    const Unlocked unlocked;
-    return viewing.Do(notices);
-  }();
+  const ViewPage page = WithoutGil([&] { return viewing.Do(notices); });
   return py::make_tuple(page.html, page.report.left_out, ListOf(notices));
 }
 

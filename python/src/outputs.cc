@@ -205,10 +205,7 @@ void DefinePlot(py::module_& module) {
     const Plotting plotting = PlottingOf(given);
     given.RequireAllTaken();
     Notices notices;
-    const std::string bytes = [&] {
-      const Unlocked unlocked;
-      return plotting.Do(notices);
-    }();
+    const std::string bytes = WithoutGil([&] { return plotting.Do(notices); });
     return py::make_tuple(py::bytes(bytes), ListOf(notices));
   });
 }

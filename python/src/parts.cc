@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
-
 #include "cli/choices.h"
 #include "python/src/arrays.h"
 #include "python/src/module.h"
@@ -143,11 +141,10 @@ void DefineSplit(py::module_& module) {
     const ReadOptions read = ReadingOf(given);
     given.RequireAllTaken();
     Notices notices;
-    Parts parts = [&] {
-      const Unlocked unlocked;
+    Parts parts = WithoutGil([&] {
       const auto atlas = Hold(source, read, notices);
       return TakeParts(*atlas, options, border, source.path, read.threads, read.progress);
-    }();
+    });
     py::dict atlases;
     for (auto& [part, taken] : parts.atlases) atlases[py::str(part)] = std::make_shared<HeldAtlas>(std::move(taken));
     return py::make_tuple(atlases, Report(parts.report), ListOf(notices));

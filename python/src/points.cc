@@ -49,12 +49,7 @@ void DefineColumns(py::class_<PointsInMap>& points) {
                              "(N,) uint64: ids of keyframes; NONE where there is none")
       .def_property_readonly("replaced_by", FixedMembers<std::uint64_t>(&MapPoint::replaced_by),
                              "(N,) uint64: ids of the points they were fused into; NONE as a rule")
-      .def_property_readonly(
-          "bad",
-          [](const PointsInMap& p) {
-            return Computed<bool>(*p.list(), [](const MapPoint& point) { return static_cast<bool>(point.bad); });
-          },
-          "(N,) bool, computed: culled")
+      .def_property_readonly("bad", &FlagsOf<&MapPoint::bad, PointsInMap>, "(N,) bool, computed: culled")
       .def_property_readonly(
           "observation_counts",
           [](const PointsInMap& p) {

@@ -52,10 +52,7 @@ void DefineReport(pybind11::module_& module, const char* name, const Prepare& pr
     const auto work = prepare(given);
     given.RequireAllTaken();
     Notices notices;
-    const std::string report = [&] {
-      const Unlocked unlocked;
-      return work(notices);
-    }();
+    const std::string report = WithoutGil([&] { return work(notices); });
     return pybind11::make_tuple(Report(report), ListOf(notices));
   });
 }
@@ -70,10 +67,7 @@ void DefineMaker(pybind11::module_& module, const char* name, const Prepare& pre
     given.RequireAllTaken();
     Notices notices;
     Atlas made;
-    const std::string report = [&] {
-      const Unlocked unlocked;
-      return work(made, notices);
-    }();
+    const std::string report = WithoutGil([&] { return work(made, notices); });
     return pybind11::make_tuple(std::make_shared<HeldAtlas>(std::move(made)), Report(report), ListOf(notices));
   });
 }

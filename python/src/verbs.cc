@@ -7,8 +7,6 @@
 #include "slamdb/edit/repair/recover.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/edit/tables/tables.h"
-#include "slamdb/formats/layouts/layout_text.h"
-#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/salvage.h"
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/many/check.h"
