@@ -97,12 +97,12 @@ void DefineKeyFrameColumns(KeyFramesClass keyframes) {
                              MembersOf<KeyFramesInMap, float>(
                                  [](const KeyFrame& k) -> auto& { return k.imu_bias.gyroscope; }, 3),
                              "(N, 3) float32, writable: rad/s")
-      .def_property_readonly("previous", Members<std::uint64_t>(&KeyFrame::previous),
+      .def_property_readonly("previous", FixedMembers<std::uint64_t>(&KeyFrame::previous),
                              "(N,) uint64: ids of the ones before in time; NONE: there is none")
-      .def_property_readonly("next", Members<std::uint64_t>(&KeyFrame::next),
+      .def_property_readonly("next", FixedMembers<std::uint64_t>(&KeyFrame::next),
                              "(N,) uint64: ids of the ones behind in time; NONE: there is none")
       .def_property_readonly("integration_biases",
-                             MembersOf<KeyFramesInMap, float>(
+                             FixedMembersOf<KeyFramesInMap, float>(
                                  [](const KeyFrame& k) -> auto& { return k.preintegration.bias.accelerometer; }, 6),
                              "(N, 6) float32: accelerometer m/s^2, gyroscope rad/s; measurements were integrated with "
                              "them")

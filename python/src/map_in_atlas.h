@@ -50,8 +50,10 @@ auto MembersOf(const Member& member, pybind11::ssize_t width = 1) {
 }
 // The same of what must stay consistent: ids, links, and what is counted from them. Nothing may be written to it.
 template <class Entities, class Number, class Member>
-auto FixedMembersOf(const Member& member) {
-  return [view = MembersOf<Entities, Number>(member)](const Entities& entities) { return ReadOnly(view(entities)); };
+auto FixedMembersOf(const Member& member, pybind11::ssize_t width = 1) {
+  return [view = MembersOf<Entities, Number>(member, width)](const Entities& entities) {
+    return ReadOnly(view(entities));
+  };
 }
 
 template <class Entity>

@@ -39,7 +39,7 @@ def test_a_class_may_be_derived_from_atlas(session):
 
 FIXED = {
     "points": ("ids", "first_keyframes", "first_frames", "reference_keyframes", "replaced_by", "weights"),
-    "keyframes": ("ids", "parents", "frame_ids"),
+    "keyframes": ("ids", "parents", "frame_ids", "previous", "next", "integration_biases"),
     "landmarks": ("ids",),
 }
 FREE = {
