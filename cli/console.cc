@@ -16,6 +16,7 @@
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
+#include "slamdb/base/memory.h"
 
 namespace slamdb::cli {
 namespace {
@@ -81,9 +82,10 @@ void Console::Finish() {
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
+  const Spilled spilled = SpilledNow();
   Diagnose("note",
            Short(seconds, 3) + " s, at most " + HumanBytes(static_cast<std::uint64_t>(usage.ru_maxrss) * 1024) +
-               " of memory",
+               " of memory" + (spilled.most == 0 ? "" : ", and " + HumanBytes(spilled.most) + " in " + spilled.folder),
            true);
 }
 

@@ -5,12 +5,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <memory>
+
 #include "cli/exports.h"
 #include "cli/help/usage.h"
 #include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
+#include "slamdb/base/memory.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/orbslam3/boost_versions.h"
@@ -74,6 +77,34 @@ void RefuseSigns(CLI::App& verb) {
 
 }  // namespace
 
+namespace {
+
+// Of the process, whatever the verb.
+void AddMemory(CLI::App& verb) {
+  const auto limit = std::make_shared<MemoryLimit>();
+  verb.add_option_function<std::uint64_t>(
+          "--memory",
+          [limit](std::uint64_t bytes) {
+            limit->bytes = bytes;
+            SetMemoryLimit(*limit);
+          },
+          "Memory to take, such as 2GB; what is more goes to a file on disk. 0 means three quarters of what is free")
+      ->type_name("SIZE")
+      ->transform(CLI::AsSizeValue(true))
+      ->group(kCommonGroup);
+  verb.add_option_function<std::string>(
+          "--spill",
+          [limit](const std::string& folder) {
+            limit->spill_folder = folder;
+            SetMemoryLimit(*limit);
+          },
+          "Where that file is, which has no name; by default in TMPDIR, or in /var/tmp where that is not on disk")
+      ->type_name("FOLDER")
+      ->group(kCommonGroup);
+}
+
+}  // namespace
+
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
   verb.add_flag("-q,--quiet", options.quiet, "Print no notes, warnings, losses and progress: the exit status tells")
       ->group(kCommonGroup);
@@ -82,6 +113,7 @@ void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
       ->type_name("N")
       ->check(Within(kThreads))
       ->group(kCommonGroup);
+  AddMemory(verb);
   verb.add_flag(
           "--progress,!--no-progress", options.progress,
           "Show a progress bar on standard error; by default when that is a terminal and work takes over a second")

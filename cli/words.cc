@@ -46,6 +46,8 @@ constexpr std::array kWords = {
     Word{"OptimizeOptions::iterations", "--iterations"},
     Word{"OptimizeMethod::kFull adjusts", "--method full adjusts"},
     Word{"migrate it first", "run `slamdb migrate`"},
+    Word{"MemoryLimit::spill_folder", "--spill"},
+    Word{"MemoryLimit::bytes", "--memory"},
     Word{"RecoverOptions::rig", "--cameras"},
     Word{"keypoints `all`", "--keypoints all"},
     Word{"JoinOptions::force", "--force"},

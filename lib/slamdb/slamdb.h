@@ -23,6 +23,7 @@
 #include "slamdb/base/column.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
+#include "slamdb/base/memory.h"
 #include "slamdb/base/notices.h"
 #include "slamdb/base/output_name.h"
 #include "slamdb/base/progress.h"

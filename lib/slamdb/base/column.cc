@@ -19,6 +19,9 @@ void FreeColumn(void* block, std::size_t) noexcept { ::operator delete(block); }
 #include <atomic>
 #include <cstdint>
 
+#include "slamdb/base/detail/spill.h"
+#include "slamdb/base/detail/spill_file.h"
+
 namespace slamdb {
 namespace {
 
@@ -30,9 +33,10 @@ constexpr std::size_t kAlignment = 16;
 struct Slab {
   std::atomic<std::size_t> users{0};  // blocks alive, plus one while a thread cuts from it
   std::size_t bytes = 0;              // of the whole mapping
+  bool spilled = false;               // it is in the spill file
 };
 constexpr std::size_t kHeaderBytes = 64;
-static_assert(sizeof(Slab) <= kHeaderBytes);
+static_assert(sizeof(Slab) <= kHeaderBytes && kSlabBytes == detail::SpillFile::kAlignment);
 
 Slab* SlabOf(void* block) {
   return reinterpret_cast<Slab*>(reinterpret_cast<std::uintptr_t>(block) & ~(kSlabBytes - 1));
@@ -48,10 +52,13 @@ void FillTail([[maybe_unused]] char* begin, [[maybe_unused]] std::size_t bytes) 
 }
 
 // Maps `bytes` (a multiple of the page size) aligned to kSlabBytes, by mapping more and giving the ends back.
-Slab* MapSlab(std::size_t bytes) {
+char* MapMemory(std::size_t bytes) {
   const std::size_t mapped = bytes + kSlabBytes;
   void* raw = ::mmap(nullptr, mapped, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (raw == MAP_FAILED) throw std::bad_alloc();
+  if (raw == MAP_FAILED) {
+    detail::GiveBackCounted(bytes);
+    throw std::bad_alloc();
+  }
   auto* begin = static_cast<char*>(raw);
   auto* aligned =
       reinterpret_cast<char*>((reinterpret_cast<std::uintptr_t>(begin) + kSlabBytes - 1) & ~(kSlabBytes - 1));
@@ -62,13 +69,23 @@ Slab* MapSlab(std::size_t bytes) {
   ::madvise(aligned, bytes, MADV_HUGEPAGE);
 #endif
   FillTail(aligned, bytes);
-  Slab* slab = ::new (aligned) Slab;
+  return aligned;
+}
+
+Slab* MakeSlab(std::size_t bytes) {
+  char* spilled = detail::SpillOrCount(bytes);
+  Slab* slab = ::new (spilled != nullptr ? spilled : MapMemory(bytes)) Slab;
   slab->bytes = bytes;
+  slab->spilled = spilled != nullptr;
   return slab;
 }
 
 void Release(Slab* slab) noexcept {
-  if (slab->users.fetch_sub(1, std::memory_order_acq_rel) == 1) ::munmap(slab, slab->bytes);
+  if (slab->users.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+  const std::size_t bytes = slab->bytes;
+  if (slab->spilled) return detail::GiveBackSpilled(reinterpret_cast<char*>(slab), bytes);
+  ::munmap(slab, bytes);
+  detail::GiveBackCounted(bytes);
 }
 
 // The slab that this thread cuts from.
@@ -84,7 +101,7 @@ struct Cutter {
   }
   void* Cut(std::size_t bytes) {
     if (static_cast<std::size_t>(end - next) < bytes) {
-      Slab* fresh = MapSlab(kSlabBytes);
+      Slab* fresh = MakeSlab(kSlabBytes);
       Drop();
       slab = fresh;
       slab->users.store(1, std::memory_order_relaxed);
@@ -107,7 +124,7 @@ std::size_t Rounded(std::size_t bytes, std::size_t unit) {
 void* AllocateColumn(std::size_t bytes) {
   const std::size_t rounded = Rounded(bytes, kAlignment);
   if (rounded < kLargeBytes) return cutter.Cut(rounded);
-  Slab* slab = MapSlab(Rounded(rounded + kHeaderBytes, 4096));
+  Slab* slab = MakeSlab(Rounded(rounded + kHeaderBytes, 4096));
   slab->users.store(1, std::memory_order_relaxed);
   return reinterpret_cast<char*>(slab) + kHeaderBytes;
 }

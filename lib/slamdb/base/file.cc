@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/file.h"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
+#include <new>
 #include <utility>
 
+#include "slamdb/base/column.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/opened_input.h"
 #include "slamdb/base/detail/run_files.h"
@@ -17,19 +17,14 @@ namespace slamdb {
 namespace {
 
 constexpr std::size_t kHeadBytes = std::size_t{64} << 10;
-constexpr std::size_t kFirstBytes = std::size_t{1} << 20;  // of memory for a stream, which doubles as it fills,
-constexpr std::size_t kLargeStep = std::size_t{64} << 20;  // and grows by so much once it is large
+constexpr std::size_t kFirstBytes = std::size_t{1} << 20;  // of memory for a stream, which doubles as it fills
 
-// Memory that grows in place, or moves without being copied. Given back unless it is released.
+// Memory of columns, so that it may be on disk. Given back unless it is released.
 class GrowingMemory {
  public:
-  GrowingMemory(const std::string& path, std::size_t bytes) : path_(path), capacity_(bytes) {
-    void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) Refuse();
-    data_ = static_cast<char*>(memory);
-  }
+  GrowingMemory(const std::string& path, std::size_t bytes) : path_(path), data_(Allocate(bytes)), capacity_(bytes) {}
   ~GrowingMemory() {
-    if (data_ != nullptr) ::munmap(data_, capacity_);
+    if (data_ != nullptr) FreeColumn(data_, capacity_);
   }
   GrowingMemory(const GrowingMemory&) = delete;
   GrowingMemory& operator=(const GrowingMemory&) = delete;
@@ -37,21 +32,24 @@ class GrowingMemory {
   char* data() const { return data_; }
   std::size_t capacity() const { return capacity_; }
 
-  void Resize(std::size_t bytes) {
-    void* moved = ::mremap(data_, capacity_, bytes, MREMAP_MAYMOVE);
-    if (moved == MAP_FAILED) Refuse();
-    data_ = static_cast<char*>(moved);
-    capacity_ = bytes;
+  void Double() {
+    char* const larger = Allocate(2 * capacity_);
+    std::memcpy(larger, data_, capacity_);
+    FreeColumn(data_, capacity_);
+    data_ = larger;
+    capacity_ *= 2;
   }
   void Release() { data_ = nullptr; }
 
  private:
-  [[noreturn]] void Refuse() const {
+  char* Allocate(std::size_t bytes) const try {
+    return static_cast<char*>(AllocateColumn(bytes));
+  } catch (const std::bad_alloc&) {
     throw Error(ErrorKind::kOutOfResources, path_, "", "the machine has too little memory left to read it");
   }
 
   const std::string& path_;
-  char* data_ = nullptr;
+  char* data_;
   std::size_t capacity_;
 };
 
@@ -69,7 +67,7 @@ std::size_t ReadStream(detail::OpenedInput& input, const std::string& path, cons
       throw Error(ErrorKind::kOutOfResources, path, "",
                   detail::Concat("is a stream of more than ", kMostStreamBytes >> 30U,
                                  " GiB, of which slamdb reads no more; save it to a file, which may be larger"));
-    memory.Resize(size + std::min(size, kLargeStep));
+    memory.Double();
   }
 }
 
@@ -78,12 +76,6 @@ std::size_t ReadRegular(detail::OpenedInput& input, const std::string& path, Gro
   if (size < memory.capacity())
     throw Error(ErrorKind::kDamaged, path, detail::Concat("byte ", size), "the file became shorter while it was read");
   return size;
-}
-
-// The bytes in place of those of the mapping that are not used.
-std::size_t WholePages(std::size_t bytes) {
-  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  return (bytes + page - 1) / page * page;
 }
 
 }  // namespace
@@ -99,14 +91,13 @@ WholeFile::WholeFile(const Source& source, const Look& look) : path_(source.path
   const std::size_t size =
       input.is_stream() ? ReadStream(input, path_, look, memory) : ReadRegular(input, path_, memory);
   if (size == 0) return;
-  reserved_ = WholePages(size);
-  if (reserved_ < memory.capacity()) memory.Resize(reserved_);
+  reserved_ = memory.capacity();
   bytes_ = {reinterpret_cast<const std::byte*>(memory.data()), size};
   memory.Release();
 }
 
 WholeFile::~WholeFile() {
-  if (reserved_ > 0) ::munmap(const_cast<std::byte*>(bytes_.data()), reserved_);
+  if (reserved_ > 0) FreeColumn(const_cast<std::byte*>(bytes_.data()), reserved_);
 }
 
 WholeFile::WholeFile(WholeFile&& other) noexcept

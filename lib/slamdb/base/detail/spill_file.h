@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "slamdb/base/detail/descriptor.h"
+#include "slamdb/base/detail/free_ranges.h"
+#include "slamdb/base/memory.h"
+
+namespace slamdb::detail {
+
+// Memory on disk: a file that has no name, so that nothing is left of it however the process ends, and that is mapped
+// whole into a range of addresses. A block has its room on the disk before it is given out, so that a full disk is an
+// Error. What nobody has any more is punched out of the file.
+//
+// The process' resident memory is kept under a limit by letting pages of the file go, which is safe at any time: they
+// are in the page cache, or on the disk, and come back when they are looked at. A hand walks round the file and lets go
+// as it passes. It moves when a block is taken, and on a thread that looks every few milliseconds while any is.
+//
+// A process that is forked has the pages as they are, for itself: what it writes stays its own. It takes no blocks, and
+// gives none back. The one that forked it must keep what the other looks at.
+//
+// Thread-safe.
+class SpillFile {
+ public:
+  static constexpr std::size_t kAlignment = std::size_t{2} << 20;
+
+  // Throws Error when no file can be made in `folder` (SystemError), or when files there are in memory (kUsage).
+  SpillFile(const std::string& folder, std::uint64_t limit);
+  ~SpillFile();
+  SpillFile(const SpillFile&) = delete;
+  SpillFile& operator=(const SpillFile&) = delete;
+
+  // Null in a process that was forked. Throws Error (kOutOfResources) when the disk is full.
+  char* Take(std::size_t bytes);
+  void GiveBack(char* block, std::size_t bytes) noexcept;
+
+  void SetLimit(std::uint64_t bytes) { limit_ = bytes; }
+  Spilled Use();
+
+  // Around fork(): before it, and behind it in both processes.
+  void BeforeFork() { mutex_.lock(); }
+  void AfterFork() { mutex_.unlock(); }
+  void BecomeChild();
+
+ private:
+  void Map();
+  void Reserve(std::size_t begin, std::size_t bytes);
+  void Unreserve(std::size_t begin, std::size_t bytes) noexcept;
+  [[noreturn]] void FailToReserve(std::size_t bytes, int error) const;
+  void StartWatching();
+  void Watch();
+  void Trim(std::uint64_t soon);
+  void PassStep();
+
+  std::string folder_;
+  Descriptor file_;
+  Descriptor statm_;  // of this process; not open: nothing is let go, and the system does so when it must
+  char* map_ = nullptr;
+  std::size_t map_bytes_ = 0;
+  std::atomic<std::uint64_t> limit_;
+  std::atomic<bool> forked_ = false;  // this process was
+  std::mutex mutex_;                  // guards the rest
+  std::condition_variable changed_;
+  bool stopped_ = false;
+  FreeRanges ranges_;
+  std::vector<std::size_t> taken_of_chunk_;  // bytes; a chunk of which none are has no room on the disk
+  std::uint64_t taken_ = 0, most_ = 0;
+  std::size_t hand_ = 0;
+  std::thread watcher_;
+};
+
+}  // namespace slamdb::detail
