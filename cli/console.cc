@@ -9,6 +9,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 
 #include "cli/options.h"
 #include "cli/report/layout.h"
@@ -47,6 +48,14 @@ void EndSoon(int signal) {
 
 void WriteError(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
+// What this process has read, of files and streams; empty where the system does not count it.
+std::string BytesReadText() {
+  std::ifstream counts("/proc/self/io");
+  std::string name;
+  std::uint64_t bytes = 0;
+  return counts >> name >> bytes && name == "rchar:" ? HumanBytes(bytes) : std::string();
+}
+
 Colour ColourOf(std::string_view severity) {
   if (severity == "error") return Colour::kRed;
   return severity == "note" ? Colour::kBold : Colour::kYellow;
@@ -83,9 +92,11 @@ void Console::Finish() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   const Spilled spilled = SpilledNow();
+  const std::string read = BytesReadText();
   Diagnose("note",
            Short(seconds, 3) + " s, at most " + HumanBytes(static_cast<std::uint64_t>(usage.ru_maxrss) * 1024) +
-               " of memory" + (spilled.most == 0 ? "" : ", and " + HumanBytes(spilled.most) + " in " + spilled.folder),
+               " of memory" + (spilled.most == 0 ? "" : " and " + HumanBytes(spilled.most) + " in " + spilled.folder) +
+               (read.empty() ? "" : ", " + read + " read"),
            true);
 }
 

@@ -108,7 +108,7 @@ void AddMemory(CLI::App& verb) {
 void AddConsoleOptions(CLI::App& verb, ConsoleOptions& options) {
   verb.add_flag("-q,--quiet", options.quiet, "Print no notes, warnings, losses and progress: the exit status tells")
       ->group(kCommonGroup);
-  verb.add_flag("-v,--verbose", options.verbose, "Tell time and memory at the end")->group(kCommonGroup);
+  verb.add_flag("-v,--verbose", options.verbose, "Tell time, memory and bytes read at the end")->group(kCommonGroup);
   verb.add_option("--threads", options.threads, "Threads to work with; 0 means every core")
       ->type_name("N")
       ->check(Within(kThreads))

@@ -237,8 +237,6 @@ void SpillFile::Trim(std::uint64_t soon) {
 void SpillFile::PassStep() {
   if (hand_ >= ranges_.end()) hand_ = 0;
   ::madvise(map_ + hand_, kStep, MADV_DONTNEED);
-  // So that the page cache can give these pages up when it must.
-  ::sync_file_range(file_.value, static_cast<off_t>(hand_), static_cast<off_t>(kStep), SYNC_FILE_RANGE_WRITE);
   hand_ += kStep;
 }
 
