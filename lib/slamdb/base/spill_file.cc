@@ -135,7 +135,7 @@ void SpillFile::Map() {
 char* SpillFile::Take(std::size_t bytes) {
   if (forked_) return nullptr;
   const std::size_t room = RoundedUp(bytes, kStep);
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   const std::size_t begin = ranges_.Take(room);
   try {
     Reserve(begin, room);
@@ -147,6 +147,11 @@ char* SpillFile::Take(std::size_t bytes) {
   taken_ += room;
   most_ = std::max(most_, taken_);
   Trim(bytes);
+  lock.unlock();
+#ifdef MADV_POPULATE_WRITE
+  // A slab is about to be filled: its pages in one call instead of one fault each. Older kernels refuse, and fault.
+  if (bytes <= kStep) ::madvise(map_ + begin, bytes, MADV_POPULATE_WRITE);
+#endif
   return map_ + begin;
 }
 
