@@ -125,6 +125,10 @@ char* SpillOrCount(std::size_t bytes) {
 
 void GiveBackSpilled(char* block, std::size_t bytes) noexcept { spill_file.load()->GiveBack(block, bytes); }
 
+void LetGoOfSpilled() {
+  if (SpillFile* const file = spill_file.load(std::memory_order_relaxed)) file->LetGo();
+}
+
 void GiveBackCounted(std::size_t bytes) noexcept { counted.fetch_sub(bytes, std::memory_order_relaxed); }
 
 }  // namespace detail

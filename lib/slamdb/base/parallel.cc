@@ -10,6 +10,8 @@
 #include <new>
 #include <system_error>
 
+#include "slamdb/base/detail/spill.h"
+
 namespace slamdb::detail {
 
 // Those that this process may run on: fewer than the machine has under taskset, in a container or a batch job.
@@ -47,6 +49,7 @@ void ParallelFor(std::size_t count, std::size_t grain, int threads,
     for (std::size_t block = next++; block < blocks; block = next++) {
       try {
         work(block * grain, std::min(count, (block + 1) * grain));
+        LetGoOfSpilled();
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!failure) failure = std::current_exception();

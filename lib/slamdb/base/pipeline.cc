@@ -10,6 +10,7 @@
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/pieces.h"
+#include "slamdb/base/detail/spill.h"
 
 namespace slamdb::detail {
 namespace {
@@ -80,6 +81,7 @@ class Pipeline {
     } catch (...) {
       failure = std::current_exception();
     }
+    LetGoOfSpilled();
     lock.lock();
     slot.failure = failure;
     slot.ready = true;

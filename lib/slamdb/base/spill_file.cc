@@ -212,6 +212,12 @@ void SpillFile::FailToReserve(std::size_t bytes, int error) const {
              "; MemoryLimit::spill_folder names another, MemoryLimit::bytes allows more memory"));
 }
 
+void SpillFile::LetGo() {
+  if (forked_) return;
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (lock.owns_lock() && taken_ > 0) Trim(0);
+}
+
 Spilled SpillFile::Use() {
   const std::lock_guard lock(mutex_);
   return {.bytes = taken_, .most = most_, .folder = folder_};

@@ -12,4 +12,8 @@ char* SpillOrCount(std::size_t bytes);
 void GiveBackSpilled(char* block, std::size_t bytes) noexcept;
 void GiveBackCounted(std::size_t bytes) noexcept;
 
+// For threads that go through an atlas, between its pieces: lets go of what of the spill file is in memory beyond the
+// limit, sooner than the thread that looks after it does on a busy machine.
+void LetGoOfSpilled();
+
 }  // namespace slamdb::detail

@@ -42,6 +42,9 @@ class SpillFile {
   char* Take(std::size_t bytes);
   void GiveBack(char* block, std::size_t bytes) noexcept;
 
+  // Keeps the memory under the limit now, unless another thread is at it.
+  void LetGo();
+
   void SetLimit(std::uint64_t bytes) { limit_ = bytes; }
   Spilled Use();
 
