@@ -17,7 +17,7 @@ namespace slamdb {
 // and moved between atlases and threads like any vector.
 // Under AddressSanitizer this is plain operator new, so that overruns are seen.
 //
-// Throws std::bad_alloc.
+// Throws std::bad_alloc; Error as SetMemoryLimit (memory.h) tells, by which slabs may be on disk.
 // Cost: few page faults, and no malloc for each column.
 // Thread-safe: each thread cuts from a slab of its own.
 SLAMDB_EXPORT void* AllocateColumn(std::size_t bytes);
