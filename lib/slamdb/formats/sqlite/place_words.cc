@@ -30,12 +30,13 @@ class PlaceTree {
   // The word of a descriptor: down to the child at the least distance, the first of equals.
   std::uint32_t WordOf(const Descriptor& descriptor) const {
     const detail::Bits bits = detail::BitsOf(descriptor);
-    std::array<std::uint16_t, 256> distances{};
+    std::array<std::uint16_t, 256> distances;
     Node node = nodes_[0];
     while (node.children > 0) {
       centres_.DistancesTo(bits, node.first, node.children, distances.data());
-      const auto least = std::min_element(distances.begin(), distances.begin() + node.children);
-      node = nodes_[node.first + static_cast<std::size_t>(least - distances.begin())];
+      std::uint32_t least = ~std::uint32_t{0};  // a distance, and in its lowest byte whose it is
+      for (std::uint32_t i = 0; i < node.children; ++i) least = std::min(least, std::uint32_t{distances[i]} << 8 | i);
+      node = nodes_[node.first + (least & 0xff)];
     }
     return node.word;
   }

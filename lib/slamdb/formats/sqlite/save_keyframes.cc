@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/formats/sqlite/detail/save.h"
@@ -74,12 +75,12 @@ class KeyframeWriter {
   ByteWriter details_, exact_;
 };
 
-// The rows of keyframe_link of one keyframe.
+// The rows of keyframe_link. Flush() after the last.
 class LinkWriter {
  public:
   explicit LinkWriter(SaveContext& context)
       : remove_(context.database, "DELETE FROM keyframe_link WHERE keyframe = ?1", "table keyframe_link"),
-        insert_(context.database, "INSERT INTO keyframe_link VALUES (?1, ?2, ?3, ?4, ?5, ?6)", "table keyframe_link"),
+        insert_(context.database, "keyframe_link", 6),
         database_(context.database) {}
 
   std::uint64_t Remove(std::int64_t row) {
@@ -87,30 +88,26 @@ class LinkWriter {
     return static_cast<std::uint64_t>(sqlite3_changes(database_.handle()));
   }
   std::uint64_t Write(std::int64_t map, std::int64_t row, const KeyFrame& keyframe) {
-    insert_.Bind(1, row).Bind(4, map).BindNull(6);
-    WriteList("child", keyframe.children);
-    insert_.BindText(2, "covisible");
-    for (std::size_t i = 0; i < keyframe.connections.size(); ++i) {
-      const Connection& connection = keyframe.connections[i];
-      insert_.Bind(3, static_cast<std::int64_t>(i)).Bind(5, ToReference(connection.keyframe));
-      insert_.Bind(6, std::int64_t{connection.weight}).Run();
-    }
-    insert_.BindNull(6);
-    WriteList("loop", keyframe.loop_edges);
-    WriteList("merge", keyframe.merge_edges);
+    const auto add = [&](std::string_view kind, std::size_t position, KeyFrameId target, Value weight) {
+      insert_.Add(
+          std::array<Value, 6>{row, kind, static_cast<std::int64_t>(position), map, ToReference(target), weight});
+    };
+    const auto add_list = [&](std::string_view kind, const Column<KeyFrameId>& targets) {
+      for (std::size_t i = 0; i < targets.size(); ++i) add(kind, i, targets[i], Value::Null());
+    };
+    add_list("child", keyframe.children);
+    for (std::size_t i = 0; i < keyframe.connections.size(); ++i)
+      add("covisible", i, keyframe.connections[i].keyframe, std::int64_t{keyframe.connections[i].weight});
+    add_list("loop", keyframe.loop_edges);
+    add_list("merge", keyframe.merge_edges);
     return keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
            keyframe.merge_edges.size();
   }
+  void Flush() { insert_.Flush(); }
 
  private:
-  void WriteList(const char* kind, const Column<KeyFrameId>& targets) {
-    insert_.BindText(2, kind);
-    for (std::size_t i = 0; i < targets.size(); ++i) {
-      insert_.Bind(3, static_cast<std::int64_t>(i)).Bind(5, ToReference(targets[i])).Run();
-    }
-  }
-
-  Statement remove_, insert_;
+  Statement remove_;
+  BatchInsert insert_;
   Database& database_;
 };
 
@@ -235,6 +232,7 @@ std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, 
     if (old != nullptr) changes.deleted += links.Remove(plan.entries[i].row);
     changes.inserted += links.Write(row, plan.entries[i].row, keyframe);
   }
+  links.Flush();
   context.Report(100 * (plan.entries.size() - changed_features.size()));
   WriteFeatures(context, plan, map, hashes, changed_features);
   std::vector<std::int64_t> rows;
