@@ -89,7 +89,11 @@ void PrepareToWrite(Database& database, const StoreOptions& options) {
   database.Execute(options.sync ? "PRAGMA synchronous=EXTRA" : "PRAGMA synchronous=OFF");
   if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database);
   CheckIsStore(database, NewestVersion());
-  database.UseLog();
+  try {
+    database.UseLog();
+  } catch (const Error& error) {  // as long as somebody saves without one
+    throw error.kind() == ErrorKind::kLocked ? LockedError(database) : error;
+  }
 }
 
 void Record(Database& database, const char* action, const std::string& name, const std::string& provenance,
@@ -171,6 +175,13 @@ struct Store::State {
     }
   }
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options);
+  SaveReport SaveUnderLock(const std::string& name, const Atlas& atlas, const AtlasHashes& hashes, bool was_edited,
+                           const SaveOptions& save_options);
+  // Without a log, which is for readers of what is there, a save writes each page once and not twice. Where others came
+  // to the store meanwhile, the log stays.
+  void LeaveLog() { sqlite3_exec(database.handle(), "PRAGMA journal_mode=DELETE", nullptr, nullptr, nullptr); }
+  // Where somebody reads already, the next who writes does it.
+  void ReturnToLog() { sqlite3_exec(database.handle(), "PRAGMA journal_mode=WAL", nullptr, nullptr, nullptr); }
   // Whether every row holds what its hash says. What another program saves meanwhile does.
   bool IsWhole(const std::string& name, int threads) {
     try {
@@ -309,10 +320,18 @@ SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const
   CheckName(database, name);
   detail::EnterOutput(database.path(), name);
   const AtlasHashes hashes = detail::HashesOf(atlas, save_options.threads);
-  SaveReport report;
   // Before the lock, for which others wait, and with every core.
   const bool was_edited =
       save_options.verify && save_options.overwrite && Has(name) && !IsWhole(name, save_options.threads);
+  if (!made) return SaveUnderLock(name, atlas, hashes, was_edited, save_options);
+  LeaveLog();
+  SaveReport report = SaveUnderLock(name, atlas, hashes, was_edited, save_options);
+  ReturnToLog();
+  return report;
+}
+
+SaveReport Store::State::SaveUnderLock(const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
+                                       bool was_edited, const SaveOptions& save_options) {
   WriteTransaction transaction = Lock();
   if (save_options.keep_equal && Holds(name, hashes.Combined())) {
     transaction.Commit();
@@ -326,6 +345,7 @@ SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const
     ChangeCounter uncounted;
     DeleteAtlas(database, RowOf(name), uncounted);
   }
+  SaveReport report;
   SaveAtlas(database, name, atlas, hashes, save_options, report);
   report.replaced = report.replaced || edited;
   Record(database, "save", name, save_options.provenance, report.Total());
