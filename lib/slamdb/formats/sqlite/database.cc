@@ -12,6 +12,7 @@
 
 #include "slamdb/base/detail/errno_kind.h"
 #include "slamdb/base/detail/recognize.h"
+#include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/one_name.h"
@@ -346,6 +347,7 @@ void Database::OpenToWrite(Access access) {
   OpenHandle(SQLITE_OPEN_READWRITE | (access == Access::kCreate ? SQLITE_OPEN_CREATE : 0));
   if (sqlite3_db_readonly(handle(), "main") == 1)
     throw Error(ErrorKind::kPermission, path_, "", "the file cannot be written");
+  RegisterRows(handle());
 }
 
 void Database::Execute(const std::string& sql) {
@@ -416,6 +418,10 @@ Statement& Statement::BindBlob(int index, Bytes value) {
 }
 Statement& Statement::BindNull(int index) {
   Check(sqlite3_bind_null(handle_.get(), index));
+  return *this;
+}
+Statement& Statement::BindPointer(int index, void* value, const char* type) {
+  Check(sqlite3_bind_pointer(handle_.get(), index, value, type, nullptr));
   return *this;
 }
 

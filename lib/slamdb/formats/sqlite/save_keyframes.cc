@@ -89,11 +89,11 @@ class LinkWriter {
   }
   std::uint64_t Write(std::int64_t map, std::int64_t row, const KeyFrame& keyframe) {
     const auto add = [&](std::string_view kind, std::size_t position, KeyFrameId target, Value weight) {
-      insert_.Add(
-          std::array<Value, 6>{row, kind, static_cast<std::int64_t>(position), map, ToReference(target), weight});
+      insert_.Add(std::array<Value, 6>{row, kind, static_cast<std::int64_t>(position), map,
+                                       ValueOrNull(ToReference(target)), weight});
     };
     const auto add_list = [&](std::string_view kind, const Column<KeyFrameId>& targets) {
-      for (std::size_t i = 0; i < targets.size(); ++i) add(kind, i, targets[i], Value::Null());
+      for (std::size_t i = 0; i < targets.size(); ++i) add(kind, i, targets[i], Value());
     };
     add_list("child", keyframe.children);
     for (std::size_t i = 0; i < keyframe.connections.size(); ++i)

@@ -32,7 +32,7 @@ class PointWriter {
     insert_.Add(std::array<Value, 26>{entry.row,
                                       map,
                                       ToColumn(point.id),
-                                      entry.unique ? ToReference(point.id) : std::nullopt,
+                                      ValueOrNull(entry.unique ? ToReference(point.id) : std::nullopt),
                                       hash,
                                       observations_hash,
                                       reals[0],
@@ -43,8 +43,8 @@ class PointWriter {
                                       reals[5],
                                       reals[6],
                                       reals[7],
-                                      ToReference(point.reference),
-                                      ToReference(point.replaced_by),
+                                      ValueOrNull(ToReference(point.reference)),
+                                      ValueOrNull(ToReference(point.replaced_by)),
                                       point.first_keyframe,
                                       point.first_frame,
                                       std::int64_t{point.observation_count},
@@ -64,12 +64,12 @@ class PointWriter {
 
   // What REAL columns do not keep.
   Value ExactOf(const Reals& reals) {
-    if (std::ranges::all_of(reals, [](float value) { return FitsReal(value); })) return Value::Null();
+    if (std::ranges::all_of(reals, [](float value) { return FitsReal(value); })) return Value();
     return Bytes(std::as_bytes(std::span(exact_.emplace_back(reals))));
   }
   template <class Integer>
   static Value Recorded(Integer value, Integer not_recorded) {
-    return value == not_recorded ? Value::Null() : Value(std::int64_t{value});
+    return value == not_recorded ? Value() : Value(std::int64_t{value});
   }
 
   Statement remove_;
@@ -92,11 +92,11 @@ class ObservationWriter {
   }
   void Write(std::int64_t map, std::int64_t row, const Column<Observation>& observations) {
     const auto keypoint = [](std::int32_t index) {
-      return index == Observation::kAbsent ? Value::Null() : Value(std::int64_t{index});
+      return index == Observation::kAbsent ? Value() : Value(std::int64_t{index});
     };
     std::int64_t position = 0;
     for (const Observation& observation : observations)
-      insert_.Add(std::array<Value, 6>{row, position++, map, ToReference(observation.keyframe),
+      insert_.Add(std::array<Value, 6>{row, position++, map, ValueOrNull(ToReference(observation.keyframe)),
                                        keypoint(observation.left), keypoint(observation.right)});
   }
   void Flush() { insert_.Flush(); }

@@ -13,33 +13,20 @@
 
 namespace slamdb::sqlite {
 
-// What a column of a row holds.
-class Value {
- public:
-  Value(std::int64_t value) : value_(value) {}
-  Value(std::optional<std::int64_t> value) {
-    if (value) value_ = *value;
-  }
-  Value(double value) : value_(value) {}  // NaN becomes NULL
-  Value(std::string_view text) : value_(text) {}
-  Value(Bytes blob) : value_(blob) {}
-  static Value Null() { return Value(std::optional<std::int64_t>()); }
+// What a column of a row holds: NULL, an integer, a real number, a text or a blob.
+using Value = std::variant<std::monostate, std::int64_t, double, std::string_view, Bytes>;
 
-  void BindTo(Statement& statement, int index) const;
+inline Value ValueOrNull(std::optional<std::int64_t> value) { return value ? Value(*value) : Value(); }
 
- private:
-  std::variant<std::monostate, std::int64_t, double, std::string_view, Bytes> value_;
-};
-
-// Inserts new rows into a table, by the batch: a statement of many rows takes half of what as many statements take, or
-// less where a constraint of the table is made ready once for each statement.
+// Inserts new rows into a table, by the batch: SQL selects them from memory (a virtual table), which takes less than
+// half of binding them to a statement one by one.
 //
 // A row that is there already is an error, which takes the transaction back: SQLite need not keep what each statement
 // alone has changed.
 class BatchInsert {
  public:
-  BatchInsert(Database& database, std::string table, std::size_t columns)
-      : database_(database), table_(std::move(table)), columns_(columns) {}
+  // At most 26 columns.
+  BatchInsert(Database& database, std::string table, std::size_t columns);
 
   // All columns of a row, in order. Texts and blobs must live until Flush().
   void Add(std::span<const Value> row);
@@ -47,13 +34,14 @@ class BatchInsert {
   void Flush();
 
  private:
-  Statement StatementOf(std::size_t rows) const;
-
   Database& database_;
   std::string table_;
   std::size_t columns_;
   std::vector<Value> waiting_;
-  std::optional<Statement> batch_, single_;  // prepared when they are needed: most saves change few rows
+  std::optional<Statement> insert_;  // prepared when it is needed: most saves change few rows
 };
+
+// Lets a connection insert so.
+void RegisterRows(sqlite3* handle);
 
 }  // namespace slamdb::sqlite
