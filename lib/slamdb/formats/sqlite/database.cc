@@ -16,6 +16,7 @@
 #include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/one_name.h"
+#include "slamdb/formats/sqlite/detail/visit_rows.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -157,7 +158,7 @@ void LimitWhatFilesCanDo(sqlite3* handle) {
       {SQLITE_LIMIT_EXPR_DEPTH, 100},
       {SQLITE_LIMIT_COMPOUND_SELECT, 20},
       {SQLITE_LIMIT_VDBE_OP, 100'000},
-      {SQLITE_LIMIT_FUNCTION_ARG, 16},
+      {SQLITE_LIMIT_FUNCTION_ARG, 32},
       {SQLITE_LIMIT_ATTACHED, 1},  // VACUUM attaches what it builds
       {SQLITE_LIMIT_LIKE_PATTERN_LENGTH, 100},
       {SQLITE_LIMIT_TRIGGER_DEPTH, 1},
@@ -291,13 +292,14 @@ void Database::OpenHandle(int flags, const char* vfs) {
   handle_.reset(handle);
   if (code != SQLITE_OK) throw FailureOf(handle, code, path_, "", "cannot open: ");
   LimitWhatFilesCanDo(handle);
+  RegisterVisit(handle);
   sqlite3_busy_handler(
       handle, [](void* waiting, int attempt) { return static_cast<Waiting*>(waiting)->Pause(attempt) ? 1 : 0; },
       waiting_.get());
 }
 
 int Database::BeginReading() {
-  return sqlite3_exec(handle(), "PRAGMA query_only=ON; PRAGMA cache_size=-8192; SELECT 1 FROM sqlite_schema LIMIT 1",
+  return sqlite3_exec(handle(), "PRAGMA query_only=ON; PRAGMA cache_size=-1024; SELECT 1 FROM sqlite_schema LIMIT 1",
                       nullptr, nullptr, nullptr);
 }
 

@@ -180,8 +180,11 @@ struct Store::State {
   // Without a log, which is for readers of what is there, a save writes each page once and not twice. Where others came
   // to the store meanwhile, the log stays.
   void LeaveLog() { sqlite3_exec(database.handle(), "PRAGMA journal_mode=DELETE", nullptr, nullptr, nullptr); }
-  // Where somebody reads already, the next who writes does it.
-  void ReturnToLog() { sqlite3_exec(database.handle(), "PRAGMA journal_mode=WAL", nullptr, nullptr, nullptr); }
+  // And opens it, as long as the store has the name that this connection knows. Where somebody reads already, the next
+  // who writes does it.
+  void ReturnToLog() {
+    sqlite3_exec(database.handle(), "PRAGMA journal_mode=WAL; SELECT 1 FROM atlas LIMIT 1", nullptr, nullptr, nullptr);
+  }
   // Whether every row holds what its hash says. What another program saves meanwhile does.
   bool IsWhole(const std::string& name, int threads) {
     try {
