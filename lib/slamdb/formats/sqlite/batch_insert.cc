@@ -90,9 +90,10 @@ int Column(sqlite3_vtab_cursor* cursor, sqlite3_context* result, int column) {
   else if (const auto* real = std::get_if<double>(&value))
     sqlite3_result_double(result, *real);  // NaN becomes NULL
   else if (const auto* text = std::get_if<std::string_view>(&value))
-    sqlite3_result_text64(result, text->data(), text->size(), SQLITE_STATIC, SQLITE_UTF8);
+    sqlite3_result_text64(result, text->empty() ? "" : text->data(), text->size(), SQLITE_STATIC, SQLITE_UTF8);
   else if (const auto* blob = std::get_if<Bytes>(&value))
-    sqlite3_result_blob64(result, blob->data(), blob->size(), SQLITE_STATIC);
+    sqlite3_result_blob64(result, blob->empty() ? static_cast<const void*>("") : blob->data(), blob->size(),
+                          SQLITE_STATIC);
   return SQLITE_OK;  // NULL is what a result is from the start
 }
 

@@ -56,8 +56,8 @@ class ObservationReader {
  public:
   explicit ObservationReader(Database& database)
       : rows_(database,
-              "SELECT slamdb_visit(?1, point, keyframe, left_keypoint, right_keypoint) FROM observation "
-              "WHERE point BETWEEN ?2 AND ?3",
+              "SELECT slamdb_visit(?1, point, keyframe, left_keypoint, right_keypoint) FROM (SELECT * FROM observation "
+              "WHERE point BETWEEN ?2 AND ?3 ORDER BY point, position)",
               "table observation") {}
 
   // Reads those of all from `first` to `last`.
@@ -102,7 +102,7 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
           "reference, replaced_by, first_keyframe, first_frame, observation_count, bad, descriptor, exact, "
           "descriptor_form, ",
           has_tracking ? "origin_map, visible_count, found_count" : "NULL, NULL, NULL",
-          ") FROM map_point WHERE row BETWEEN ?2 AND ?3"),
+          ") FROM map_point NOT INDEXED WHERE row BETWEEN ?2 AND ?3"),
       "table map_point");
   ObservationReader observations(database);
   CarriedReader carried(database, CarriedKind::kPoint);

@@ -26,7 +26,7 @@ class Row {
 };
 
 // Calls `visit` for each row that `select` finds, which is `SELECT slamdb_visit(?1, COLUMNS) FROM ...`. An aggregate
-// knows no ORDER BY: rows come in the order of the index that the condition is on.
+// knows no ORDER BY: rows come in that of a subquery, or by row number from a table that is NOT INDEXED.
 void VisitRows(Statement& select, const std::function<void(const Row&)>& visit);
 
 // Lets a connection visit rows.
