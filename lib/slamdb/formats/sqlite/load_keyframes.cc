@@ -94,8 +94,8 @@ void ReadRows(Database& database, std::span<const std::int64_t> rows, std::span<
 void ReadLinks(Database& database, std::span<const std::int64_t> rows, std::span<KeyFrame> keyframes,
                std::span<const std::int64_t> links_hashes) {
   Statement statement(database,
-                      "SELECT slamdb_visit(?1, keyframe, kind, target, weight) FROM (SELECT * FROM keyframe_link "
-                      "WHERE keyframe BETWEEN ?2 AND ?3 ORDER BY keyframe, kind, position)",
+                      "SELECT slamdb_visit(?1, keyframe, kind, target, weight) FROM keyframe_link "
+                      "INDEXED BY sqlite_autoindex_keyframe_link_1 WHERE keyframe BETWEEN ?2 AND ?3",
                       "table keyframe_link");
   statement.Bind(2, rows.front()).Bind(3, rows.back());
   VisitRows(statement, [&](const Row& row) {

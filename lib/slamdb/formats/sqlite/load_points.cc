@@ -56,8 +56,8 @@ class ObservationReader {
  public:
   explicit ObservationReader(Database& database)
       : rows_(database,
-              "SELECT slamdb_visit(?1, point, keyframe, left_keypoint, right_keypoint) FROM (SELECT * FROM observation "
-              "WHERE point BETWEEN ?2 AND ?3 ORDER BY point, position)",
+              "SELECT slamdb_visit(?1, point, keyframe, left_keypoint, right_keypoint) FROM observation "
+              "INDEXED BY sqlite_autoindex_observation_1 WHERE point BETWEEN ?2 AND ?3",
               "table observation") {}
 
   // Reads those of all from `first` to `last`.

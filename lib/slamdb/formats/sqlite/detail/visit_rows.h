@@ -26,7 +26,8 @@ class Row {
 };
 
 // Calls `visit` for each row that `select` finds, which is `SELECT slamdb_visit(?1, COLUMNS) FROM ...`. An aggregate
-// knows no ORDER BY: rows come in that of a subquery, or by row number from a table that is NOT INDEXED.
+// knows no ORDER BY, and to sort in a subquery takes as long as to step: where the order matters, the table is INDEXED
+// BY its primary key, or NOT INDEXED but by row number.
 void VisitRows(Statement& select, const std::function<void(const Row&)>& visit);
 
 // Lets a connection visit rows.
