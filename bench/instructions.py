@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Counts instructions, which are the same on every machine, and compares them with bench/instructions.csv.
 
-Each row of slamdb_bench runs on one core under valgrind, which counts what happens within the measured work; starting
-the command is counted from its first instruction on. Exit status 1: a row takes more than 3 % more or less than the
+Each row of slamdb_bench runs on one core under valgrind, which counts what happens within the measured work; the command
+is counted from its first instruction on. Exit status 1: a row takes more than 3 % more or less than the
 table says, or is not in it. Both are to be looked into; --update then writes the table anew. 77: this cannot be
 counted here.
 
@@ -30,7 +30,8 @@ ROWS = [
     "transform", "diff", "merge", "store-save", "store-load", "store-save-again",
     "export-stella", "export-stella-sqlite", "export-colmap",
 ]  # fmt: skip
-STARTS = {"start --version": ["--version"], "start -h": ["-h"], "start check -h": ["check", "-h"]}
+PROCESSES = ["slamdb --version", "slamdb -h", "slamdb check -h", "slamdb info a.osa", "slamdb check --quiet a.osa",
+             "slamdb list a.db"]  # fmt: skip
 # Valgrind shows programs this processor but for its newest instructions, and the C library chooses by it how to copy and
 # to search. So that this is the same everywhere, it is told to make do with what every x86-64 has.
 OLDEST = ":".join(
@@ -76,8 +77,8 @@ def count(command, folder, *options):
 class Inputs:
     """The atlases that rows work on, prepared once, and a copy of the files for each row, which may change them."""
 
-    def __init__(self, bench, folder):
-        self.bench, self.folder = bench, folder
+    def __init__(self, build, folder):
+        self.build, self.bench, self.folder = build, build / "bench/slamdb_bench", folder
         synthetic = folder / "synthetic.made.osa"
         self.run("--synthesize", synthetic, "--sizes", "3")
         for name, atlas in (("session", ROOT / "fixtures/session_small_a/session_small_a.osa"), ("synthetic", synthetic)):
@@ -88,16 +89,14 @@ class Inputs:
         subprocess.run([self.bench, *map(str, words)], check=True)
 
     def count(self, name, row):
+        """Bytes of the atlas, and the instructions of a row or a command line."""
         with tempfile.TemporaryDirectory(dir=self.folder) as own:
+            own = pathlib.Path(own)
             shutil.copytree(self.folder / name, own, dirs_exist_ok=True)
-            size = (pathlib.Path(own) / "a.osa").stat().st_size
-            command = [self.bench, "--measure", row, "--folder", ".", "--name", "a"]
-            return size, count(command, pathlib.Path(own), "--instr-atstart=no")
-
-
-def count_start(slamdb, folder, words):
-    with tempfile.TemporaryDirectory(dir=folder) as own:
-        return 0, count([slamdb, *words], pathlib.Path(own))
+            size = (own / "a.osa").stat().st_size
+            if row.startswith("slamdb "):
+                return size, count([self.build / "slamdb", *row.split()[1:]], own)
+            return size, count([self.bench, "--measure", row, "--folder", ".", "--name", "a"], own, "--instr-atstart=no")
 
 
 def count_all(build, wanted):
@@ -105,10 +104,9 @@ def count_all(build, wanted):
     # Paths are made absolute, so it counts how deep they are.
     with tempfile.TemporaryDirectory(dir="/tmp") as name, ThreadPoolExecutor(os.cpu_count()) as pool:
         folder = pathlib.Path(name)
-        inputs = Inputs(build / "bench/slamdb_bench", folder)
-        counts = {(row, ""): pool.submit(count_start, build / "slamdb", folder, words) for row, words in STARTS.items()}
-        counts |= {(row, atlas): pool.submit(inputs.count, atlas, row) for row in ROWS for atlas in ("session", "synthetic")
-                   if not wanted or row in wanted}  # fmt: skip
+        inputs = Inputs(build, folder)
+        rows = [(row, "session") for row in PROCESSES] + [(row, atlas) for row in ROWS for atlas in ("session", "synthetic")]
+        counts = {key: pool.submit(inputs.count, key[1], key[0]) for key in rows if not wanted or key[0] in wanted}
         return {key: counted.result() for key, counted in counts.items()}
 
 
@@ -124,7 +122,7 @@ def write_table(made, counts):
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(["row", "atlas", "bytes", "instructions", "per byte"])
         for (row, atlas), (size, instructions) in counts.items():
-            table.writerow([row, atlas, size or "", instructions, f"{instructions / size:.2f}" if size else ""])
+            table.writerow([row, atlas, size, instructions, f"{instructions / size:.2f}"])
 
 
 def compare(known, counts):
@@ -137,7 +135,7 @@ def compare(known, counts):
             continue
         differs = True
         told = "is not in the table" if change is None else f"{change:+.1%}, {'worse' if change > 0 else 'better'}"
-        print(f"{' '.join(key).strip()}: {instructions:,} instructions, {told}")
+        print(f"{' '.join(key)}: {instructions:,} instructions, {told}")
     return differs
 
 
@@ -147,6 +145,8 @@ def main():
     parser.add_argument("--update", action="store_true", help="write the table anew")
     parser.add_argument("--only", help="count these rows, separated by commas")
     options = parser.parse_args()
+    if options.update and options.only:
+        parser.error("--update writes the whole table")
     build = options.build.resolve()
     for tool in ("valgrind", "setarch", "taskset"):
         if shutil.which(tool) is None:

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <functional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "slamdb/base/error.h"
@@ -61,9 +62,21 @@ std::string Kernel() {
 std::string FileSystem(const std::string& folder) {
   struct statfs found {};
   if (statfs(folder.c_str(), &found) != 0) return "unknown";
-  char text[32];
-  std::snprintf(text, sizeof(text), "type %#lx", static_cast<unsigned long>(found.f_type));
-  return text;
+  for (const auto& [number, name] : {std::pair{0xEF53L, "ext4"},
+                                     {0x794C7630L, "overlay"},
+                                     {0x01021994L, "tmpfs"},
+                                     {0x58465342L, "xfs"},
+                                     {0x9123683EL, "btrfs"}})
+    if (found.f_type == number) return name;
+  return "number " + std::to_string(found.f_type);
+}
+
+std::string Compiler() {
+#ifdef __clang__
+  return __VERSION__;
+#else
+  return "g++ " __VERSION__;
+#endif
 }
 
 constexpr std::size_t kBytes = std::size_t{64} << 20, kHugePage = std::size_t{2} << 20, kSmallPage = 4096;
@@ -143,7 +156,7 @@ void PrintMachine(const std::string& folder, std::ostream& out) {
       << ValueIn("/proc/meminfo", "MemAvailable")
       << "; transparent huge pages: " << FirstLine("/sys/kernel/mm/transparent_hugepage/enabled")
       << "\n- kernel: " << Kernel() << "; file system of the files: " << FileSystem(folder)
-      << "\n- compiler: " << (__VERSION__) << "\n- pages: " << PageCosts() << "\n- load: " << FirstLine("/proc/loadavg")
+      << "\n- compiler: " << Compiler() << "\n- pages: " << PageCosts() << "\n- load: " << FirstLine("/proc/loadavg")
       << "\n\n";
 }
 

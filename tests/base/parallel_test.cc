@@ -2,6 +2,7 @@
 #include "slamdb/base/detail/parallel.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <atomic>
 #include <chrono>
@@ -17,6 +18,18 @@ namespace {
 TEST(ThreadCount, TakesEveryCoreForZero) {
   EXPECT_EQ(detail::ThreadCount(3), 3);
   EXPECT_GE(detail::ThreadCount(0), 1);
+}
+
+TEST(ThreadCount, CountsTheCoresThatTheThreadMayUse) {
+  std::thread([] {
+    cpu_set_t allowed, one;
+    CPU_ZERO(&one);
+    ASSERT_EQ(::sched_getaffinity(0, sizeof(allowed), &allowed), 0);
+    EXPECT_EQ(detail::ThreadCount(0), CPU_COUNT(&allowed));
+    CPU_SET(static_cast<std::size_t>(::sched_getcpu()), &one);
+    ASSERT_EQ(::sched_setaffinity(0, sizeof(one), &one), 0);
+    EXPECT_EQ(detail::ThreadCount(0), 1);
+  }).join();
 }
 
 TEST(ParallelFor, CallsForEachElementOnce) {
