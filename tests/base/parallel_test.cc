@@ -20,16 +20,17 @@ TEST(ThreadCount, TakesEveryCoreForZero) {
   EXPECT_GE(detail::ThreadCount(0), 1);
 }
 
-TEST(ThreadCount, CountsTheCoresThatTheThreadMayUse) {
-  std::thread([] {
-    cpu_set_t allowed, one;
-    CPU_ZERO(&one);
-    ASSERT_EQ(::sched_getaffinity(0, sizeof(allowed), &allowed), 0);
-    EXPECT_EQ(detail::ThreadCount(0), CPU_COUNT(&allowed));
-    CPU_SET(static_cast<std::size_t>(::sched_getcpu()), &one);
-    ASSERT_EQ(::sched_setaffinity(0, sizeof(one), &one), 0);
-    EXPECT_EQ(detail::ThreadCount(0), 1);
-  }).join();
+TEST(ThreadCount, CountsCoresThatTheProcessMayRunOn) {
+  cpu_set_t before, one;
+  ASSERT_EQ(::sched_getaffinity(0, sizeof(before), &before), 0);
+  int first = 0;
+  while (!CPU_ISSET(first, &before)) ++first;
+  CPU_ZERO(&one);
+  CPU_SET(first, &one);
+  ASSERT_EQ(::sched_setaffinity(0, sizeof(one), &one), 0);
+  EXPECT_EQ(detail::ThreadCount(0), 1);
+  ASSERT_EQ(::sched_setaffinity(0, sizeof(before), &before), 0);
+  EXPECT_EQ(detail::ThreadCount(0), CPU_COUNT(&before));
 }
 
 TEST(ParallelFor, CallsForEachElementOnce) {

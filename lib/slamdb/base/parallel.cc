@@ -12,11 +12,12 @@
 
 namespace slamdb::detail {
 
+// Those that this process may run on: fewer than the machine has under taskset, in a container or a batch job.
 int ThreadCount(int requested) {
   if (requested > 0) return requested;
   cpu_set_t allowed;
   if (::sched_getaffinity(0, sizeof(allowed), &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));  // more cores than the set holds
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 std::vector<std::jthread> StartHelpers(std::size_t count, const std::function<void()>& help) {
