@@ -50,7 +50,9 @@ SqliteTables::SqliteTables(const std::string& path) {
                                   "SELECT name, sql FROM sqlite_schema JOIN pragma_table_list(name) USING (name) "
                                   "WHERE pragma_table_list.type = 'table' AND name NOT LIKE 'sqlite_%'");
   while (Step(database, names)) {
-    Table& table = tables_.emplace_back(Text(names, 0), Text(names, 1));
+    Table& table = tables_.emplace_back();
+    table.name = Text(names, 0);
+    table.sql = Text(names, 1);
     const Statement rows = Prepare(database, "SELECT * FROM " + table.name);
     table.columns = sqlite3_column_count(rows.get());
     while (Step(database, rows))

@@ -22,7 +22,7 @@ class SqliteTables {
   struct Table {
     std::string name, sql;
     int columns = 0;
-    std::vector<sqlite3_value*> values;  // row after row; never freed
+    std::vector<sqlite3_value*> values;  // row after row; the process ends with them
   };
 
   std::vector<Table> tables_;
