@@ -54,8 +54,10 @@ class SegmentEncoder {
         Tail();
         break;
     }
+    if constexpr (Output::kText) encoder_.output.Finish();
     return encoder_.classes;
   }
+  const Output& output() const { return encoder_.output; }
 
  private:
   const Map& map() const { return atlas_.maps[segment_.map]; }
@@ -228,15 +230,18 @@ void ArchivePlan::Add(Segment segment, ClassTable& classes) {
   segments_.push_back(std::move(segment));
 }
 
-void ArchivePlan::Encode(std::size_t i, Column<char>& buffer) const {
+bool ArchivePlan::Encode(std::size_t i, Column<char>& buffer) const {
   if (i == 0) {
     const std::string header = WriteArchiveHeader(encoding_);
     buffer.insert(buffer.end(), header.begin(), header.end());
   }
-  if (encoding_.text)
-    SegmentEncoder(atlas_, encoding_, segments_[i], TextOutput(buffer, encoding_)).Run();
-  else
+  if (!encoding_.text) {
     SegmentEncoder(atlas_, encoding_, segments_[i], BinaryOutput(buffer, encoding_)).Run();
+    return true;
+  }
+  SegmentEncoder encoder(atlas_, encoding_, segments_[i], TextOutput(buffer, encoding_));
+  encoder.Run();
+  return encoder.output().all_finite();
 }
 
 }  // namespace slamdb::orbslam3

@@ -341,6 +341,7 @@ class ForkWriter {
 
   static constexpr std::size_t kFlushBytes = std::size_t{1} << 20;
   void Flush(std::size_t least) {
+    if constexpr (Output::kText) encoder_.output.Finish();
     if (buffer_.size() <= least) return;
     write_(std::as_bytes(std::span(buffer_)));
     buffer_.clear();

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <atomic>
+
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/pipeline.h"
@@ -33,22 +35,18 @@ ArchiveEncoding EncodingFor(const Atlas& atlas, const Orbslam3WriteOptions& opti
   return encoding;
 }
 
-bool HasNonFinite(const Column<char>& text) {
-  const std::string_view view(text.data(), text.size());
-  return view.find(" nan") != view.npos || view.find(" -nan") != view.npos || view.find("inf") != view.npos;
-}
-
 void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   const ArchiveEncoding encoding = EncodingFor(atlas, options.of<Orbslam3WriteOptions>());
   const orbslam3::ArchivePlan plan(atlas, encoding);
   AtomicFile file(target, {options.overwrite, options.sync, options.before_commit});
-  bool non_finite = false;
+  std::atomic<bool> non_finite = false;
   detail::ProduceInOrder(
       plan.size(), plan.ThreadsThatPay(options.threads),
-      [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
+      [&](std::size_t i, Column<char>& buffer) {
+        if (!plan.Encode(i, buffer)) non_finite = true;
+      },
       [&](std::size_t i, const Column<char>& buffer) {
         file.Write(std::as_bytes(std::span(buffer)));
-        if (encoding.text && !non_finite) non_finite = HasNonFinite(buffer);
         if (options.progress)
           options.progress("writing " + target.path, static_cast<double>(i + 1) / static_cast<double>(plan.size()));
       });

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <string_view>
@@ -85,6 +87,18 @@ class BinaryOutput {
   const ArchiveEncoding& encoding_;
 };
 
+// A space and the digits of 0 to 999, which most numbers are: the text in the lower bytes, its length in the highest.
+inline constexpr std::array<std::uint64_t, 1000> kShortTokens = [] {
+  std::array<std::uint64_t, 1000> tokens{};
+  for (std::uint64_t number = 0; number < tokens.size(); ++number) {
+    std::uint64_t text = '0' + number % 10, length = 2;
+    for (std::uint64_t left = number / 10; left > 0; left /= 10, ++length) text = text << 8 | ('0' + left % 10);
+    tokens[number] = length << 56 | text << 8 | ' ';
+  }
+  return tokens;
+}();
+
+// The bytes are in the buffer once Finish() was called.
 class TextOutput {
  public:
   static constexpr bool kText = true;
@@ -96,12 +110,9 @@ class TextOutput {
   }
   template <class T>
   void PutArray(const T* values, std::size_t count) {
-    constexpr std::size_t kLongest = sizeof(T) == 1 ? 4 : 26;  // a space and `-2.22507385850720138e-308`
-    const std::size_t size = buffer_.size();
-    buffer_.resize(size + count * kLongest);
-    char* next = buffer_.data() + size;
+    char* next = Room(count * kLongest<T> + kLongestScientific);
     for (std::size_t i = 0; i < count; ++i) next = Token(next, values[i]);
-    buffer_.resize(static_cast<std::size_t>(next - buffer_.data()));
+    next_ = next;
   }
   void PutUnsignedLong(std::uint64_t value) { Put(encoding_.long_bytes == 8 ? value : Narrow(value)); }
   void PutLong(std::int64_t value) { Put(value); }
@@ -112,48 +123,71 @@ class TextOutput {
   void PutSizes(const std::uint64_t* values, std::size_t count) { PutArray(values, count); }
   void PutString(std::string_view text) {
     Put(static_cast<std::uint64_t>(text.size()));
-    buffer_.push_back(' ');
-    buffer_.insert(buffer_.end(), text.begin(), text.end());
+    *Room(text.size() + 1) = ' ';
+    next_ = std::copy(text.begin(), text.end(), next_ + 1);
   }
   // Boost begins a line in front of each new object.
   void PutObjectId(std::uint32_t id, bool is_new) {
-    const std::size_t space = buffer_.size();
+    char* const space = Room(kLongest<std::uint32_t> + kLongestScientific);
     Put(id);
-    if (is_new) buffer_[space] = '\n';
+    if (is_new) *space = '\n';
   }
-  void PutEnd() { buffer_.push_back('\n'); }
+  void PutEnd() { *Room(1) = '\n', ++next_; }
+
+  void Finish() {
+    if (next_ != nullptr) buffer_.resize(static_cast<std::size_t>(next_ - buffer_.data()));
+    next_ = end_ = nullptr;
+  }
+  // Whether there was no NaN or infinity.
+  bool all_finite() const { return all_finite_; }
 
  private:
+  // A space and a number; a token may be written with up to kLongestScientific bytes behind it.
   template <class T>
-  char* Token(char* next, T value) const {
-    *next++ = ' ';
-    if constexpr (std::is_same_v<T, std::uint8_t>) {
-      return ByteToken(next, value);
-    } else if constexpr (std::is_integral_v<T>) {
+  static constexpr std::size_t kLongest = std::is_same_v<T, std::uint8_t> ? 4 : 26;  // ` -2.22507385850720138e-308`
+
+  // Where the next `bytes` bytes go.
+  char* Room(std::size_t bytes) {
+    if (static_cast<std::size_t>(end_ - next_) < bytes) [[unlikely]]
+      Grow(bytes);
+    return next_;
+  }
+  void Grow(std::size_t bytes) {
+    Finish();
+    const std::size_t size = buffer_.size();
+    buffer_.resize(std::max(size + bytes, buffer_.capacity()));
+    next_ = buffer_.data() + size;
+    end_ = buffer_.data() + buffer_.size();
+  }
+  template <class T>
+  char* Token(char* next, T value) {
+    if constexpr (std::is_integral_v<T>) {
+      if (static_cast<std::uint64_t>(value) < kShortTokens.size()) {
+        const std::uint64_t token = kShortTokens[static_cast<std::size_t>(value)];
+        std::memcpy(next, &token, sizeof(token));
+        return next + (token >> 56);
+      }
+      *next++ = ' ';
       return std::to_chars(next, next + 21, value).ptr;
     } else {
+      *next++ = ' ';
       return FloatToken(next, value);
     }
   }
-  static char* ByteToken(char* next, std::uint8_t value) {
-    if (value >= 100) *next++ = static_cast<char>('0' + value / 100);
-    if (value >= 10) *next++ = static_cast<char>('0' + value / 10 % 10);
-    *next++ = static_cast<char>('0' + value % 10);
-    return next;
-  }
   template <class T>
-  char* FloatToken(char* next, T value) const {
+  char* FloatToken(char* next, T value) {
+    if (!std::isfinite(value)) all_finite_ = false;
     // Boost before 1.56 wrote one digit less, in the shorter of two notations.
     if (encoding_.boost_version <= 10)
-      return std::to_chars(next, next + 25, value, std::chars_format::general, std::is_same_v<T, float> ? 8 : 17).ptr;
-    if constexpr (std::is_same_v<T, float>)
-      return WriteScientific(next, value);
-    else
-      return std::to_chars(next, next + 25, value, std::chars_format::scientific, 17).ptr;
+      return std::to_chars(next, next + 25, value, std::chars_format::general, kDigitsBehindPoint<T> - 1).ptr;
+    return WriteScientific(next, value);
   }
 
   Column<char>& buffer_;
   const ArchiveEncoding& encoding_;
+  char* next_ = nullptr;  // where the next token goes, behind it room up to ...
+  char* end_ = nullptr;   // ... here
+  bool all_finite_ = true;
 };
 
 // Writes nothing: an encoder over it only keeps the class table.
