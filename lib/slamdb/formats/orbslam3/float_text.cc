@@ -153,17 +153,18 @@ template char* WriteScientific(char* to, double value);
 
 namespace {
 
+constexpr std::array<double, 23> kPowersOfTen = [] {  // all that a double holds exactly
+  std::array<double, 23> powers{1};
+  for (std::size_t i = 1; i < powers.size(); ++i) powers[i] = powers[i - 1] * 10;
+  return powers;
+}();
+
 // digits / 10^power as the nearest T. False where this way does not know it.
 bool Divide(std::uint64_t digits, std::size_t power, float& value) {
-  constexpr std::array<double, 23> kPowers = [] {  // all that a double holds exactly
-    std::array<double, 23> powers{1};
-    for (std::size_t i = 1; i < powers.size(); ++i) powers[i] = powers[i - 1] * 10;
-    return powers;
-  }();
-  if (power >= kPowers.size()) return false;
+  if (power >= kPowersOfTen.size()) return false;
   // Of exact numbers, so the nearest double. It is on the same side of the middle of two floats as the quotient itself,
   // unless it is that middle.
-  const double nearest = static_cast<double>(static_cast<std::int64_t>(digits)) / kPowers[power];
+  const double nearest = static_cast<double>(static_cast<std::int64_t>(digits)) / kPowersOfTen[power];
   constexpr std::uint64_t kBelowFloat = (std::uint64_t{1} << 29) - 1, kMiddle = std::uint64_t{1} << 28;
   if ((std::bit_cast<std::uint64_t>(nearest) & kBelowFloat) == kMiddle) return false;
   value = static_cast<float>(nearest);
