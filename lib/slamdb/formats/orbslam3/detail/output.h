@@ -179,7 +179,7 @@ class TextOutput {
     if (!std::isfinite(value)) all_finite_ = false;
     // Boost before 1.56 wrote one digit less, in the shorter of two notations.
     if (encoding_.boost_version <= 10)
-      return std::to_chars(next, next + 25, value, std::chars_format::general, kDigitsBehindPoint<T> - 1).ptr;
+      return std::to_chars(next, next + 25, value, std::chars_format::general, std::is_same_v<T, float> ? 8 : 17).ptr;
     return WriteScientific(next, value);
   }
 
