@@ -127,6 +127,18 @@ TEST(TextTokens, BytesAreTheSameOneByOneAndAllAtOnce) {
   }
 }
 
+TEST(TextTokens, OfManyCharactersIsNoByte) {
+  for (std::size_t length = 4; length < 600; ++length) {
+    const std::string text = "# 1 " + std::string(length - 4, '0') + "/999 " + std::string(700, '7');
+    const auto take = [](TextInput& input) {
+      std::array<std::uint8_t, 2> values{};
+      input.TakeArray(values.data(), values.size());
+      return values;
+    };
+    ASSERT_FALSE(Read(text, text.size(), take).error.empty()) << length;
+  }
+}
+
 TEST(TextTokens, AreSkippedToTheEndOfTheLastOne) {
   Random random;
   const char* const separators[] = {" ", " ", " ", "\n", "\r\n"};

@@ -134,7 +134,6 @@ std::uint64_t MarkBlanks(const char* text) {
 // Counts the ends of tokens a block at a time, and walks where what can be looked at ends.
 void TextInput::SkipTokens(std::size_t count) {
   while (count > 0) {
-    SkipSpace();
     while (end_ - next_ > kBlock) {
       const std::uint64_t blanks = MarkBlanks(next_);
       std::uint64_t ends = ~blanks & (blanks >> 1 | std::uint64_t{IsBlank(next_[kBlock])} << (kBlock - 1));
@@ -159,16 +158,13 @@ void TextInput::SkipTokens(std::size_t count) {
 namespace {
 
 // A byte by the three digits that may stand for it, four bits each: its value, and above that how many digits are
-// written, which no other number than 0 to 255 has.
+// written: none where they are no number from 0 to 255.
 constexpr std::array<std::uint16_t, 4096> kBytes = [] {
   std::array<std::uint16_t, 4096> bytes{};
-  bytes.fill(0xFF00);
-  for (unsigned value = 0; value < 256; ++value)
-    bytes[value / 100 << 8 | value / 10 % 10 << 4 | value % 10] = static_cast<std::uint16_t>((value < 10    ? 1
-                                                                                              : value < 100 ? 2
-                                                                                                            : 3)
-                                                                                                 << 8 |
-                                                                                             value);
+  for (unsigned value = 0; value < 256; ++value) {
+    const unsigned digits = 1U + (value > 9) + (value > 99);
+    bytes[value / 100 << 8 | value / 10 % 10 << 4 | value % 10] = static_cast<std::uint16_t>(digits << 8 | value);
+  }
   return bytes;
 }();
 
