@@ -54,7 +54,6 @@ class SegmentEncoder {
         Tail();
         break;
     }
-    if constexpr (Output::kText) encoder_.output.Finish();
     return encoder_.classes;
   }
   const Output& output() const { return encoder_.output; }
@@ -230,16 +229,17 @@ void ArchivePlan::Add(Segment segment, ClassTable& classes) {
   segments_.push_back(std::move(segment));
 }
 
-bool ArchivePlan::Encode(std::size_t i, Column<char>& buffer) const {
-  if (i == 0) {
-    const std::string header = WriteArchiveHeader(encoding_);
-    buffer.insert(buffer.end(), header.begin(), header.end());
-  }
+bool ArchivePlan::Encode(std::size_t i, detail::Pieces& buffer) const {
+  const std::string header = i == 0 ? WriteArchiveHeader(encoding_) : std::string();
   if (!encoding_.text) {
-    SegmentEncoder(atlas_, encoding_, segments_[i], BinaryOutput(buffer, encoding_)).Run();
+    BinaryOutput output(buffer, encoding_, BinaryOutput::Columns::kReferredTo);
+    output.PutRaw(header);
+    SegmentEncoder(atlas_, encoding_, segments_[i], output).Run();
     return true;
   }
-  SegmentEncoder encoder(atlas_, encoding_, segments_[i], TextOutput(buffer, encoding_));
+  TextOutput output(buffer, encoding_);
+  output.PutRaw(header);
+  SegmentEncoder encoder(atlas_, encoding_, segments_[i], output);
   encoder.Run();
   return encoder.output().all_finite();
 }

@@ -29,7 +29,7 @@ class ForkWriter {
         cameras_(atlas.cameras.size()) {}
 
   ForkWriting Write(const std::string& header) {
-    buffer_.insert(buffer_.end(), header.begin(), header.end());
+    encoder_.output.PutRaw(header);
     const std::string place = "Atlas";
     Members members(*this, atlas_.carried, place, done_.filled_others);
     for (const Op<Atlas>& op : program_.root) {
@@ -340,10 +340,10 @@ class ForkWriter {
   }
 
   static constexpr std::size_t kFlushBytes = std::size_t{1} << 20;
+  // Writes what was put, if it is more than `least` bytes.
   void Flush(std::size_t least) {
-    if constexpr (Output::kText) encoder_.output.Finish();
-    if (buffer_.size() <= least) return;
-    write_(std::as_bytes(std::span(buffer_)));
+    if (buffer_.collected() <= least) return;
+    buffer_.ForEach(write_);
     buffer_.clear();
   }
 
@@ -351,7 +351,7 @@ class ForkWriter {
   const ForkProgram& program_;
   bool carried_fits_;
   const Target::Sink& write_;
-  Column<char> buffer_;
+  detail::Pieces buffer_;
   Encoder<Output> encoder_;
   std::vector<std::optional<std::uint32_t>> cameras_;  // object ids of those that were written
   std::vector<MapObjects> objects_;

@@ -3,6 +3,7 @@
 
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/pieces.h"
 #include "slamdb/base/detail/pipeline.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
@@ -35,23 +36,26 @@ ArchiveEncoding EncodingFor(const Atlas& atlas, const Orbslam3WriteOptions& opti
   return encoding;
 }
 
+// Hands the archive to take(i, pieces), segment by segment. Returns false when it is text with `nan` or `inf`.
+bool Produce(const orbslam3::ArchivePlan& plan, int threads, const detail::TakeBlock<detail::Pieces>& take) {
+  std::atomic<bool> finite = true;
+  const auto encode = [&](std::size_t i, detail::Pieces& pieces) {
+    if (!plan.Encode(i, pieces)) finite = false;
+  };
+  detail::ProduceInOrder<detail::Pieces>(plan.size(), plan.ThreadsThatPay(threads), encode, take);
+  return finite;
+}
+
 void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  const ArchiveEncoding encoding = EncodingFor(atlas, options.of<Orbslam3WriteOptions>());
-  const orbslam3::ArchivePlan plan(atlas, encoding);
+  const orbslam3::ArchivePlan plan(atlas, EncodingFor(atlas, options.of<Orbslam3WriteOptions>()));
   AtomicFile file(target, {options.overwrite, options.sync, options.before_commit});
-  std::atomic<bool> non_finite = false;
-  detail::ProduceInOrder(
-      plan.size(), plan.ThreadsThatPay(options.threads),
-      [&](std::size_t i, Column<char>& buffer) {
-        if (!plan.Encode(i, buffer)) non_finite = true;
-      },
-      [&](std::size_t i, const Column<char>& buffer) {
-        file.Write(std::as_bytes(std::span(buffer)));
-        if (options.progress)
-          options.progress("writing " + target.path, static_cast<double>(i + 1) / static_cast<double>(plan.size()));
-      });
+  const bool finite = Produce(plan, options.threads, [&](std::size_t i, const detail::Pieces& pieces) {
+    pieces.ForEach([&](Bytes bytes) { file.Write(bytes); });
+    if (options.progress)
+      options.progress("writing " + target.path, static_cast<double>(i + 1) / static_cast<double>(plan.size()));
+  });
   file.Commit();
-  if (non_finite)
+  if (!finite)
     notices.Warn(target.path +
                  ": the text holds nan or inf, which slamdb reads back but ORB-SLAM3's own loader does not; "
                  "Orbslam3WriteOptions::sanitize clears those in uninitialised members");
@@ -96,16 +100,14 @@ void WriteOrbslam3(const Atlas& atlas, const Target& target, const WriteOptions&
 
 std::string EncodeOrbslam3(const Atlas& atlas) {
   std::string encoded;
+  const auto append = [&](Bytes bytes) { encoded.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };
   if (!orbslam3::IsOwnLayout(atlas.layout)) {
     Notices unsaid;
-    const auto append = [&](Bytes bytes) { encoded.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };
     orbslam3::WriteInLayout(atlas, EncodingFor(atlas, {}), atlas.layout, append, "memory", unsaid);
     return encoded;
   }
   const orbslam3::ArchivePlan plan(atlas, EncodingFor(atlas, {}));
-  detail::ProduceInOrder(
-      plan.size(), plan.ThreadsThatPay(0), [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
-      [&](std::size_t, const Column<char>& buffer) { encoded.append(buffer.data(), buffer.size()); });
+  Produce(plan, 0, [&](std::size_t, const detail::Pieces& pieces) { pieces.ForEach(append); });
   return encoded;
 }
 

@@ -7,10 +7,13 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
+#include <span>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
-#include "slamdb/base/column.h"
+#include "slamdb/base/detail/pieces.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/float_text.h"
 #include "slamdb/model/atlas.h"
@@ -34,10 +37,22 @@ inline std::int32_t Narrow(std::int64_t value) {
   return static_cast<std::int32_t>(value);
 }
 
+template <class Output, class Next>
+void PutEach(Output& output, std::size_t count, Next next) {
+  for (; count > 0; --count) {
+    const std::pair<std::uint64_t, std::int32_t> entry = next();
+    output.PutUnsignedLong(entry.first);
+    output.Put(entry.second);
+  }
+}
+
+// Adds to pieces. A large column is referred to where it outlives them; otherwise it is copied.
 class BinaryOutput {
  public:
   static constexpr bool kText = false;
-  BinaryOutput(Column<char>& buffer, const ArchiveEncoding& encoding) : buffer_(buffer), encoding_(encoding) {}
+  enum class Columns { kCopied, kReferredTo };
+  BinaryOutput(detail::Pieces& buffer, const ArchiveEncoding& encoding, Columns columns = Columns::kCopied)
+      : buffer_(buffer), encoding_(encoding), refers_(columns == Columns::kReferredTo) {}
 
   template <class T>
   void Put(T value) {
@@ -46,8 +61,10 @@ class BinaryOutput {
   template <class T>
   void PutArray(const T* values, std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T>);
+    constexpr std::size_t kLarge = std::size_t{1} << 13;
     const std::size_t bytes = count * sizeof(T);
-    if (bytes > 0) std::memcpy(Extend(bytes), values, bytes);
+    if (bytes >= kLarge && refers_) return buffer_.Refer(std::as_bytes(std::span(values, count)));
+    if (bytes > 0) std::memcpy(buffer_.Extend(bytes), values, bytes);
   }
   void PutUnsignedLong(std::uint64_t value) {
     if (encoding_.long_bytes == 8) return Put(value);
@@ -69,22 +86,55 @@ class BinaryOutput {
     if (encoding_.size_bytes == 8) return PutArray(values, count);
     for (std::size_t i = 0; i < count; ++i) PutSize(values[i]);
   }
+  // Entries of map<unsigned long, int>: next() gives one pair after the other.
+  template <class Next>
+  void PutWeights(std::size_t count, Next next) {
+    constexpr std::size_t kBytes = sizeof(std::uint64_t) + sizeof(std::int32_t);
+    if (encoding_.long_bytes != sizeof(std::uint64_t)) return PutEach(*this, count, next);
+    char* to = buffer_.Extend(count * kBytes);
+    for (; count > 0; --count, to += kBytes) {
+      const std::pair<std::uint64_t, std::int32_t> entry = next();
+      std::memcpy(to, &entry.first, sizeof(entry.first));
+      std::memcpy(to + sizeof(entry.first), &entry.second, sizeof(entry.second));
+    }
+  }
+  // Vectors of sizes one behind the other: the length of each, then its entries. Most have none, one or two, and
+  // nothing tells which: two are copied for each, and what is not of it is overwritten, so that the processor need not
+  // guess.
+  void PutSizeVectors(std::span<const std::uint32_t> lengths, const std::uint64_t* entries, std::size_t left) {
+    constexpr std::size_t kUsual = 2, kBytes = sizeof(std::uint64_t);
+    const std::size_t total = std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
+    if (encoding_.size_bytes != kBytes || left < total + kUsual) {
+      for (const std::uint32_t length : lengths) {
+        PutSize(length);
+        PutSizes(entries, length);
+        entries += length;
+      }
+      return;
+    }
+    char* to = buffer_.Extend(kBytes * (lengths.size() + total + kUsual));
+    for (const std::uint64_t length : lengths) {
+      std::memcpy(to, &length, kBytes);
+      to += kBytes;
+      std::memcpy(to, entries, kBytes * kUsual);
+      if (length > kUsual) std::memcpy(to, entries, kBytes * length);
+      to += kBytes * length;
+      entries += length;
+    }
+    buffer_.Shorten(kBytes * kUsual);
+  }
   void PutString(std::string_view text) {
     PutSize(text.size());
     PutArray(text.data(), text.size());
   }
   void PutObjectId(std::uint32_t id, bool /*is_new*/) { Put(id); }
   void PutEnd() {}
+  void PutRaw(std::string_view bytes) { PutArray(bytes.data(), bytes.size()); }
 
  private:
-  char* Extend(std::size_t bytes) {
-    const std::size_t size = buffer_.size();
-    buffer_.resize(size + bytes);
-    return buffer_.data() + size;
-  }
-
-  Column<char>& buffer_;
+  detail::Pieces& buffer_;
   const ArchiveEncoding& encoding_;
+  const bool refers_;
 };
 
 // A space and the digits of 0 to 999, which most numbers are: the text in the lower bytes, its length in the highest.
@@ -98,11 +148,10 @@ inline constexpr std::array<std::uint64_t, 1000> kShortTokens = [] {
   return tokens;
 }();
 
-// The bytes are in the buffer once Finish() was called.
 class TextOutput {
  public:
   static constexpr bool kText = true;
-  TextOutput(Column<char>& buffer, const ArchiveEncoding& encoding) : buffer_(buffer), encoding_(encoding) {}
+  TextOutput(detail::Pieces& buffer, const ArchiveEncoding& encoding) : buffer_(buffer), encoding_(encoding) {}
 
   template <class T>
   void Put(T value) {
@@ -110,9 +159,10 @@ class TextOutput {
   }
   template <class T>
   void PutArray(const T* values, std::size_t count) {
-    char* next = Room(count * kLongest<T> + kLongestScientific);
-    for (std::size_t i = 0; i < count; ++i) next = Token(next, values[i]);
-    next_ = next;
+    PutTokens(count * kLongest<T>, [&](char* next) {
+      for (std::size_t i = 0; i < count; ++i) next = Token(next, values[i]);
+      return next;
+    });
   }
   void PutUnsignedLong(std::uint64_t value) { Put(encoding_.long_bytes == 8 ? value : Narrow(value)); }
   void PutLong(std::int64_t value) { Put(value); }
@@ -121,43 +171,52 @@ class TextOutput {
   }
   void PutSize(std::uint64_t value) { Put(value); }
   void PutSizes(const std::uint64_t* values, std::size_t count) { PutArray(values, count); }
+  template <class Next>
+  void PutWeights(std::size_t count, Next next) {
+    PutEach(*this, count, next);
+  }
+  void PutSizeVectors(std::span<const std::uint32_t> lengths, const std::uint64_t* entries, std::size_t /*left*/) {
+    const std::size_t total = std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
+    PutTokens((2 * lengths.size() + total) * kLongest<std::uint64_t>, [&](char* next) {
+      for (const std::uint32_t length : lengths) {
+        next = Token(next, length);
+        next = Token(next, 0);  // an item version
+        for (const std::uint64_t* const end = entries + length; entries != end; ++entries) next = Token(next, *entries);
+      }
+      return next;
+    });
+  }
   void PutString(std::string_view text) {
     Put(static_cast<std::uint64_t>(text.size()));
-    *Room(text.size() + 1) = ' ';
-    next_ = std::copy(text.begin(), text.end(), next_ + 1);
+    PutRaw(" ");
+    PutRaw(text);
   }
   // Boost begins a line in front of each new object.
   void PutObjectId(std::uint32_t id, bool is_new) {
-    char* const space = Room(kLongest<std::uint32_t> + kLongestScientific);
-    Put(id);
-    if (is_new) *space = '\n';
+    PutTokens(kLongest<std::uint32_t>, [&](char* begin) {
+      char* const end = Token(begin, id);
+      if (is_new) *begin = '\n';
+      return end;
+    });
   }
-  void PutEnd() { *Room(1) = '\n', ++next_; }
+  void PutEnd() { PutRaw("\n"); }
+  void PutRaw(std::string_view text) { std::copy(text.begin(), text.end(), buffer_.Extend(text.size())); }
 
-  void Finish() {
-    if (next_ != nullptr) buffer_.resize(static_cast<std::size_t>(next_ - buffer_.data()));
-    next_ = end_ = nullptr;
-  }
   // Whether there was no NaN or infinity.
   bool all_finite() const { return all_finite_; }
 
  private:
-  // A space and a number; a token may be written with up to kLongestScientific bytes behind it.
+  // A space and a number.
   template <class T>
   static constexpr std::size_t kLongest = std::is_same_v<T, std::uint8_t> ? 4 : 26;  // ` -2.22507385850720138e-308`
 
-  // Where the next `bytes` bytes go.
-  char* Room(std::size_t bytes) {
-    if (static_cast<std::size_t>(end_ - next_) < bytes) [[unlikely]]
-      Grow(bytes);
-    return next_;
-  }
-  void Grow(std::size_t bytes) {
-    Finish();
-    const std::size_t size = buffer_.size();
-    buffer_.resize(std::max(size + bytes, buffer_.capacity()));
-    next_ = buffer_.data() + size;
-    end_ = buffer_.data() + buffer_.size();
+  // put(begin) writes tokens of at most so many bytes, and may use a few bytes behind them meanwhile. Returns their
+  // end.
+  template <class Write>
+  void PutTokens(std::size_t most, const Write& put) {
+    const std::size_t room = most + kLongestScientific;
+    char* const begin = buffer_.Extend(room);
+    buffer_.Shorten(static_cast<std::size_t>(begin + room - put(begin)));
   }
   template <class T>
   char* Token(char* next, T value) {
@@ -183,10 +242,8 @@ class TextOutput {
     return WriteScientific(next, value);
   }
 
-  Column<char>& buffer_;
+  detail::Pieces& buffer_;
   const ArchiveEncoding& encoding_;
-  char* next_ = nullptr;  // where the next token goes, behind it room up to ...
-  char* end_ = nullptr;   // ... here
   bool all_finite_ = true;
 };
 
@@ -203,6 +260,9 @@ class NoOutput {
   void PutUnsignedLongs(const std::uint64_t*, std::size_t) {}
   void PutSize(std::uint64_t) {}
   void PutSizes(const std::uint64_t*, std::size_t) {}
+  template <class Next>
+  void PutWeights(std::size_t, Next) {}
+  void PutSizeVectors(std::span<const std::uint32_t>, const std::uint64_t*, std::size_t) {}
   void PutString(std::string_view) {}
 };
 
