@@ -324,10 +324,13 @@ class TextInput : public Cursor {
   // and takes nothing, where it is another: TakeAny knows all of them, and their errors.
   template <class T>
   bool TakeUsual(T& value) {
-    if constexpr (std::is_integral_v<T>) return TakeShortInteger(value);
-    const char* const parsed = ReadScientific(next_ + 1, value);
-    if (parsed != nullptr) next_ = parsed;
-    return parsed != nullptr;
+    if constexpr (std::is_integral_v<T>) {
+      return TakeShortInteger(value);
+    } else {
+      const char* const parsed = ReadScientific(next_ + 1, value);
+      if (parsed != nullptr) next_ = parsed;
+      return parsed != nullptr;
+    }
   }
   // Of up to seven digits.
   template <class T>

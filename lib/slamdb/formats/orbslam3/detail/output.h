@@ -176,15 +176,14 @@ class TextOutput {
     PutEach(*this, count, next);
   }
   void PutSizeVectors(std::span<const std::uint32_t> lengths, const std::uint64_t* entries, std::size_t /*left*/) {
-    const std::size_t total = std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
-    PutTokens((2 * lengths.size() + total) * kLongest<std::uint64_t>, [&](char* next) {
-      for (const std::uint32_t length : lengths) {
+    for (const std::uint32_t length : lengths) {
+      PutTokens((std::size_t{2} + length) * kLongest<std::uint64_t>, [&](char* next) {
         next = Token(next, length);
         next = Token(next, 0);  // an item version
         for (const std::uint64_t* const end = entries + length; entries != end; ++entries) next = Token(next, *entries);
-      }
-      return next;
-    });
+        return next;
+      });
+    }
   }
   void PutString(std::string_view text) {
     Put(static_cast<std::uint64_t>(text.size()));
@@ -210,8 +209,7 @@ class TextOutput {
   template <class T>
   static constexpr std::size_t kLongest = std::is_same_v<T, std::uint8_t> ? 4 : 26;  // ` -2.22507385850720138e-308`
 
-  // put(begin) writes tokens of at most so many bytes, and may use a few bytes behind them meanwhile. Returns their
-  // end.
+  // put(begin) writes tokens of at most so many bytes and returns their end; it may write a few bytes beyond.
   template <class Write>
   void PutTokens(std::size_t most, const Write& put) {
     const std::size_t room = most + kLongestScientific;
