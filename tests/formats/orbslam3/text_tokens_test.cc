@@ -65,7 +65,7 @@ class Random {
   }
   // Sometimes with a character that is changed, put in or left out.
   std::string Damaged(std::string token) {
-    const std::size_t at = Below(token.size()), kind = Below(12);
+    const std::size_t at = Below(token.size()), kind = Below(6);
     const char other = OneOf("0123456789-+.eEx/: \n\r\t,\x7f\x80\xff");
     if (kind == 0) token[at] = other;
     if (kind == 1) token.insert(at, 1, other);
@@ -107,7 +107,7 @@ TEST(TextTokens, AreTheSameNearTheEndAndFarFromIt) {
 TEST(TextTokens, BytesAreTheSameOneByOneAndAllAtOnce) {
   Random random;
   for (int i = 0; i < 20'000; ++i) {
-    const std::size_t count = random.Below(200), damaged = random.Below(2) == 0 ? random.Below(200) : count;
+    const std::size_t count = random.Below(200), damaged = random.Below(count + 1);
     std::string text = "#";
     for (std::size_t k = 0; k < count; ++k) {
       const std::string token = std::to_string(random.Below(256));
@@ -124,6 +124,22 @@ TEST(TextTokens, BytesAreTheSameOneByOneAndAllAtOnce) {
       return values;
     };
     ASSERT_EQ(Read(text, text.size(), at_once), Read(text, text.size(), one_by_one)) << text;
+  }
+}
+
+TEST(TextTokens, OfBytesEndAtSpacesAlone) {
+  for (std::size_t count = 1; count < 100; ++count) {
+    for (std::size_t damaged = 0; damaged < count; ++damaged) {
+      std::string text = "#";
+      for (std::size_t k = 0; k < count; ++k) text += k == damaged ? " 12\t" : " 123";
+      text += std::string(200, ' ');
+      std::vector<std::uint8_t> values(count);
+      const auto take = [&](TextInput& input) {
+        input.TakeArray(values.data(), count);
+        return values;
+      };
+      ASSERT_NE(Read(text, text.size(), take).error.find("found '12\t'"), std::string::npos) << text;
+    }
   }
 }
 

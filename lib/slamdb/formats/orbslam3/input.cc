@@ -200,7 +200,7 @@ std::uint8_t* TextInput::TakeUsualBytes(std::uint8_t* values, std::uint8_t* cons
       wrong |= (digits & 0xF0F0F0F0) | (byte >> 8 ^ length);
       *values++ = static_cast<std::uint8_t>(byte);
     }
-    if (wrong != 0) break;
+    if (wrong != 0 || !IsSpace(*space)) break;
     next_ = space;
     taken = values;
   }
