@@ -181,8 +181,10 @@ void Finding::SetWords(std::uint32_t place, std::span<const std::uint32_t> shari
   const auto more_words = [](const Seer& a, const Seer& b) {
     return a.words != b.words ? a.words > b.words : a.keyframe < b.keyframe;
   };
-  std::ranges::sort(rivals, more_words);
-  if (rivals.size() > kMostRivals) rivals.resize(kMostRivals);
+  if (rivals.size() > kMostRivals) {
+    std::ranges::nth_element(rivals, rivals.begin() + kMostRivals, more_words);
+    rivals.resize(kMostRivals);
+  }
   seers.insert(seers.end(), rivals.begin(), rivals.end());
   std::ranges::sort(seers, more_words);
 }
