@@ -11,6 +11,7 @@ namespace {
 struct Link {
   std::uint64_t target;
   std::uint64_t value;
+  friend bool operator==(const Link&, const Link&) = default;
 };
 // Walks of fields.h as values.
 constexpr auto kCameraFields = [](const auto& visit) { fields::ForEachCameraField(visit); };
@@ -24,16 +25,12 @@ constexpr auto kInertialFields = [](const auto& visit) {
 constexpr std::uint64_t kOnlyBefore = std::uint64_t{1} << 62;  // its target has no partner
 constexpr std::uint64_t kDangling = std::uint64_t{1} << 63;    // the target is in neither; the id is all there is
 
-// Lists of sound atlases are in order already, and partners have the same order as a rule.
-void SortByTarget(std::vector<Link>& links) {
-  const auto by_target = [](const Link& a, const Link& b) { return a.target < b.target; };
-  if (!std::ranges::is_sorted(links, by_target)) std::ranges::stable_sort(links, by_target);
-}
-
 LinkCounts CompareLinks(std::vector<Link>& before, std::vector<Link>& after) {
-  SortByTarget(before);
-  SortByTarget(after);
   LinkCounts counts;
+  if (before == after) return counts;
+  const auto by_target = [](const Link& a, const Link& b) { return a.target < b.target; };
+  std::ranges::stable_sort(before, by_target);
+  std::ranges::stable_sort(after, by_target);
   auto a = before.begin(), b = after.begin();
   while (a != before.end() && b != after.end()) {
     if (a->target != b->target) {
