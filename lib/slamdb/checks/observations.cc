@@ -60,7 +60,7 @@ std::vector<std::uint8_t> FindMisplaced(const Map& map, const Observers& observe
     const Features& features = map.keyframes[row].features;
     for (const Observers::Sight& sight : observers.By(row)) {
       const Observation observation{map.keyframes[row].id, sight.left, sight.right};
-      const MapPointId id = map.points[sight.point].id;
+      const MapPointId id = observers.IdOf(sight.point);
       if ((LeftRowFits(features, observation) && SlotPoint(features, sight.left) != id) ||
           (RightRowFits(features, observation) && SlotPoint(features, sight.right) != id))
         is_misplaced[sight.point] = 1;
@@ -73,16 +73,15 @@ std::vector<std::uint8_t> FindMisplaced(const Map& map, const Observers& observe
 void MarkRecorded(const Subject& subject, std::size_t map_row, const KeyFrame& keyframe,
                   std::vector<std::uint8_t>& is_recorded) {
   const Map& map = subject.atlas.maps[map_row];
-  const Column<MapPointId>& slots = keyframe.features.map_points;
-  is_recorded.assign(slots.size(), 0);
+  is_recorded.assign(keyframe.features.map_points.size(), 0);
   if (subject.index.FindKeyFrame(map_row, keyframe.id) != &keyframe) return;
   if (!subject.index.duplicate_points().empty()) return;
+  const Observers& observers = subject.observers[map_row];
   std::uint32_t before = kNoRow;
-  for (const Observers::Sight& sight :
-       subject.observers[map_row].By(static_cast<std::uint32_t>(&keyframe - map.keyframes.data()))) {
+  for (const Observers::Sight& sight : observers.By(static_cast<std::uint32_t>(&keyframe - map.keyframes.data()))) {
     if (std::exchange(before, sight.point) == sight.point) continue;  // of several the first counts
     for (const std::int32_t slot : {sight.left, sight.right})
-      if (SlotPoint(keyframe.features, slot) == map.points[sight.point].id && slot >= 0)
+      if (slot >= 0 && SlotPoint(keyframe.features, slot) == observers.IdOf(sight.point))
         is_recorded[static_cast<std::size_t>(slot)] = 1;
   }
 }

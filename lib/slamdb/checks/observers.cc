@@ -19,7 +19,9 @@ void Observers::ListObservers(const AtlasIndex& index, std::size_t map_row) {
   observers_.reserve(most);
   point_begins_.reserve(map.points.size() + 1);
   keyframe_begins_.assign(map.keyframes.size() + 1, 0);
+  ids_.reserve(map.points.size());
   for (const MapPoint& point : map.points) {
+    ids_.push_back(point.id);
     point_begins_.push_back(observers_.size());
     if (point.bad) continue;
     for (const Observation& observation : point.observations) {

@@ -29,6 +29,7 @@ class Observers {
   std::span<const Sight> By(std::uint32_t keyframe) const {
     return {sights_.data() + keyframe_begins_[keyframe], sights_.data() + keyframe_begins_[keyframe + 1]};
   }
+  MapPointId IdOf(std::uint32_t point) const { return ids_[point]; }
   // What MapPoint::observation_count of a good point should be; observers that are missing do not count, as ORB-SLAM3
   // never counts them.
   std::int64_t CountOf(std::uint32_t point) const { return counts_[point]; }
@@ -40,6 +41,7 @@ class Observers {
   std::vector<std::uint64_t> point_begins_, keyframe_begins_;  // of the lists, and the end of the last
   std::vector<std::uint32_t> observers_;
   std::vector<Sight> sights_;
+  std::vector<MapPointId> ids_;
   std::vector<std::int64_t> counts_;
 };
 
