@@ -48,13 +48,63 @@ TEST(FileStream, ShowsTheWholeFile) {
   }
 }
 
-TEST(FileStream, FillsOnlyAsFarAsAsked) {
+TEST(FileStream, FillsLittleMoreThanAsked) {
   const StreamFile file(5 * kBlock);
   detail::FileStream stream(file.path());
+  stream.FillTo(1);
+  EXPECT_GE(stream.filled(), 1U);
+  EXPECT_LT(stream.filled(), kBlock / 8);
   stream.FillTo(kBlock + 1);
-  EXPECT_EQ(stream.filled(), 2 * kBlock);
+  EXPECT_GE(stream.filled(), kBlock + 1);
+  EXPECT_LT(stream.filled(), kBlock + kBlock / 8);
   stream.FillTo(100 * kBlock);
   EXPECT_EQ(stream.filled(), 5 * kBlock);
+}
+
+// Holes of many sizes, some of whole blocks, copied with some of what is filled around them, before and after releases.
+TEST(FileStream, CopiesWhatIsLeftOut) {
+  const StreamFile file(9 * kBlock + 12345);
+  detail::FileStream stream(file.path());
+  std::size_t end = 0;
+  for (const std::size_t hole : {std::size_t{1}, kBlock / 3, kBlock - 1, 2 * kBlock + 5, kBlock, 100 * kBlock}) {
+    const std::size_t begin = end;
+    stream.FillTo(begin + 1000);
+    const std::size_t filled = std::min(stream.filled(), file.content().size());
+    stream.LeaveOut(filled + hole);
+    end = stream.filled();
+    EXPECT_EQ(end, std::min(filled + hole, file.content().size()));
+    std::string copied(end - begin, '\0');
+    stream.Copy(begin, copied.size(), copied.data());
+    EXPECT_TRUE(copied == file.content().substr(begin, end - begin)) << "from byte " << begin;
+    EXPECT_TRUE(std::string_view(stream.data() + begin, filled - begin) ==
+                std::string_view(file.content()).substr(begin, filled - begin));
+    stream.Release(end);
+  }
+  EXPECT_EQ(end, file.content().size());
+}
+
+TEST(FileStream, CopiesOfMemoryAreOfThat) {
+  const std::string content = Content(5000);
+  detail::FileStream stream({std::as_bytes(std::span(content)), "name"});
+  stream.LeaveOut(4000);
+  std::string copied(3000, '\0');
+  stream.Copy(1000, copied.size(), copied.data());
+  EXPECT_EQ(copied, content.substr(1000, 3000));
+}
+
+TEST(FileStream, AHoleInAFileThatBecameShorterIsAnError) {
+  const StreamFile file(4 * kBlock);
+  detail::FileStream stream(file.path());
+  stream.LeaveOut(3 * kBlock);
+  std::filesystem::resize_file(file.path(), kBlock + 10);
+  std::string copied(3 * kBlock, '\0');
+  try {
+    stream.Copy(0, copied.size(), copied.data());
+    FAIL() << "bytes that are not there were copied";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("byte 2097162"));
+    EXPECT_THAT(error.what(), HasSubstr("became shorter"));
+  }
 }
 
 // Released memory is used again further on, at other addresses, and must then show what is there.

@@ -2,6 +2,7 @@
 #include "slamdb/base/detail/parallel.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <atomic>
 #include <chrono>
@@ -17,6 +18,19 @@ namespace {
 TEST(ThreadCount, TakesEveryCoreForZero) {
   EXPECT_EQ(detail::ThreadCount(3), 3);
   EXPECT_GE(detail::ThreadCount(0), 1);
+}
+
+TEST(ThreadCount, CountsCoresThatTheProcessMayRunOn) {
+  cpu_set_t before, one;
+  ASSERT_EQ(::sched_getaffinity(0, sizeof(before), &before), 0);
+  int first = 0;
+  while (!CPU_ISSET(first, &before)) ++first;
+  CPU_ZERO(&one);
+  CPU_SET(first, &one);
+  ASSERT_EQ(::sched_setaffinity(0, sizeof(one), &one), 0);
+  EXPECT_EQ(detail::ThreadCount(0), 1);
+  ASSERT_EQ(::sched_setaffinity(0, sizeof(before), &before), 0);
+  EXPECT_EQ(detail::ThreadCount(0), CPU_COUNT(&before));
 }
 
 TEST(ParallelFor, CallsForEachElementOnce) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/error.h"
@@ -13,6 +14,8 @@ namespace slamdb::detail {
 namespace {
 
 constexpr std::size_t kBlock = std::size_t{2} << 20;  // a huge page
+constexpr std::size_t kPiece = std::size_t{1}
+                               << 15;  // read at once: little lies in the window of what could be left out
 constexpr int kReadWrite = PROT_READ | PROT_WRITE;
 
 std::size_t Blocks(std::size_t bytes) { return (bytes + kBlock - 1) / kBlock; }
@@ -76,14 +79,47 @@ void FileStream::AddBlock() {
 }
 
 void FileStream::FillTo(std::size_t offset) {
-  const std::size_t wanted = std::min(size_, Blocks(offset) * kBlock);
+  if (offset <= filled_) return;
+  const std::size_t wanted = std::min(size_, std::max(offset, filled_ + kPiece));
   while (filled_ < wanted) {
-    if (backed_ <= filled_) AddBlock();
-    const std::size_t bytes = std::min(size_, backed_) - filled_;
-    if (file_->Read(window_ + filled_, bytes) != bytes)
-      throw Error(ErrorKind::kDamaged, path_, "byte " + std::to_string(filled_),
-                  "the file became shorter while it was read");
+    while (backed_ <= filled_) AddBlock();
+    const std::size_t bytes = std::min(wanted, backed_) - filled_;
+    ReadAt(filled_, window_ + filled_, bytes);
     filled_ += bytes;
+  }
+}
+
+void FileStream::ReadAt(std::size_t offset, char* to, std::size_t bytes) const {
+  const std::size_t size = file_->ReadAt(offset, to, bytes);
+  if (size != bytes)
+    throw Error(ErrorKind::kDamaged, path_, "byte " + std::to_string(offset + size),
+                "the file became shorter while it was read");
+}
+
+void FileStream::LeaveOut(std::size_t offset) {
+  offset = std::min(offset, size_);
+  if (offset <= filled_) return;
+  while (backed_ < offset) AddBlock();  // so that any block can be released
+  const std::lock_guard lock(mutex_);
+  holes_.push_back({filled_, offset});
+  filled_ = offset;
+}
+
+// The first hole that begins or ends between the two, or an empty one at the end.
+FileStream::Hole FileStream::FirstHole(std::size_t begin, std::size_t end) {
+  const std::lock_guard lock(mutex_);
+  const auto hole = std::ranges::upper_bound(holes_, begin, {}, &Hole::end);
+  if (hole == holes_.end() || hole->begin >= end) return {end, end};
+  return {std::max(begin, hole->begin), std::min(end, hole->end)};
+}
+
+void FileStream::Copy(std::size_t offset, std::size_t bytes, char* to) {
+  for (const std::size_t end = offset + bytes; offset < end;) {
+    const Hole hole = window_ == nullptr ? Hole{end, end} : FirstHole(offset, end);
+    std::memcpy(to, data_ + offset, hole.begin - offset);
+    if (hole.end > hole.begin) ReadAt(hole.begin, to + (hole.begin - offset), hole.end - hole.begin);
+    to += hole.end - offset;
+    offset = hole.end;
   }
 }
 
@@ -91,6 +127,7 @@ void FileStream::Release(std::size_t offset) {
   if (window_ == nullptr) return;
   const std::lock_guard lock(mutex_);
   for (; (released_ + 1) * kBlock <= offset; ++released_) spare_.push_back(window_ + released_ * kBlock);
+  while (!holes_.empty() && holes_.front().end <= offset) holes_.pop_front();
 }
 
 }  // namespace slamdb::detail

@@ -67,6 +67,17 @@ std::size_t OpenedInput::Read(char* to, std::size_t bytes) {
   return size;
 }
 
+std::size_t OpenedInput::ReadAt(std::uint64_t offset, char* to, std::size_t bytes) const {
+  std::size_t size = 0;
+  while (size < bytes) {
+    const ssize_t got = ::pread(file_.value, to + size, bytes - size, static_cast<off_t>(offset + size));
+    if (got < 0 && errno != EINTR) throw SystemError(path_, "cannot read");
+    if (got == 0) break;
+    if (got > 0) size += static_cast<std::size_t>(got);
+  }
+  return size;
+}
+
 // What can be had now, but at least a byte; 0 at the end.
 ssize_t OpenedInput::ReadSome(char* to, std::size_t bytes) {
   pollfd input{.fd = file_.value, .events = POLLIN, .revents = 0};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/detail/parallel.h"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -10,8 +12,11 @@
 
 namespace slamdb::detail {
 
+// Those that this process may run on: fewer than the machine has under taskset, in a container or a batch job.
 int ThreadCount(int requested) {
   if (requested > 0) return requested;
+  cpu_set_t allowed;
+  if (::sched_getaffinity(0, sizeof(allowed), &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/pieces.h"
 
 namespace slamdb::detail {
 namespace {
@@ -111,6 +112,7 @@ void ProduceInOrder(std::size_t count, int threads, const MakeBlock<Buffer>& mak
 
 template void ProduceInOrder<Column<char>>(std::size_t, int, const MakeBlock<Column<char>>&,
                                            const TakeBlock<Column<char>>&);
+template void ProduceInOrder<Pieces>(std::size_t, int, const MakeBlock<Pieces>&, const TakeBlock<Pieces>&);
 template void ProduceInOrder<std::string>(std::size_t, int, const MakeBlock<std::string>&,
                                           const TakeBlock<std::string>&);
 

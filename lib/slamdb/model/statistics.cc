@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -43,17 +44,29 @@ struct Projector {
   const KeyFrame* keyframe = nullptr;
   const Camera *left = nullptr, *right = nullptr;
   Rigid3f camera_from_world, right_from_left;
+};
 
-  // Pixels between the point and keypoint `row`; not finite when there is no such thing.
-  float Error(const Eigen::Vector3f& point, std::int32_t row, bool is_right) const {
-    const Camera* camera = is_right ? right : left;
-    const Keypoint* keypoint = ObservedKeypoint(*keyframe, row);
-    if (camera == nullptr || keypoint == nullptr) return kNone;
-    Eigen::Vector3f x = camera_from_world * point;
-    if (is_right) x = right_from_left * x;
+// A point seen by one camera of a keyframe. No projector: the keyframe is not there.
+struct Sight {
+  Sight(const Projector* of, std::int32_t row, bool right) : projector(of), is_right(right) {
+    if (of != nullptr) keypoint = ObservedKeypoint(*of->keyframe, row);
+    __builtin_prefetch(keypoint);
+  }
+
+  // Pixels between the point and the keypoint; not finite when there is no such thing.
+  float Error(const Eigen::Vector3f& point) const {
+    if (projector == nullptr || keypoint == nullptr) return kNone;
+    const Camera* camera = is_right ? projector->right : projector->left;
+    if (camera == nullptr) return kNone;
+    Eigen::Vector3f x = projector->camera_from_world * point;
+    if (is_right) x = projector->right_from_left * x;
     const auto pixel = Project(*camera, x);
     return pixel ? (*pixel - Eigen::Vector2f(keypoint->x, keypoint->y)).norm() : kNone;
   }
+
+  const Projector* projector;
+  const Keypoint* keypoint = nullptr;
+  bool is_right;
 };
 
 class MapCounter {
@@ -192,35 +205,53 @@ class MapCounter {
     return projectors;
   }
 
-  // Two errors for each observation, left and right, so that threads write to places of their own.
+  // Threads write to places of their own: each point has one for each camera that sees it.
   void MeasureReprojection() {
     const std::vector<Projector> projectors = MakeProjectors();
     Column<std::size_t> begins(map_.points.size() + 1, 0);
-    for (std::size_t row = 0; row < map_.points.size(); ++row)
-      begins[row + 1] = begins[row] + 2 * (map_.points[row].bad ? 0 : map_.points[row].observations.size());
-    constexpr float kNotSeen = -1;
+    for (std::size_t row = 0; row < map_.points.size(); ++row) {
+      begins[row + 1] = begins[row];
+      if (map_.points[row].bad) continue;
+      for (const Observation& observation : map_.points[row].observations)
+        begins[row + 1] += static_cast<std::size_t>(observation.left >= 0) + (observation.right >= 0 ? 1 : 0);
+    }
     Column<float> errors(begins.back());
     detail::ParallelFor(map_.points.size(), kGrain, threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t row = begin; row < end; ++row) {
-        const MapPoint& point = map_.points[row];
-        if (point.bad) continue;
-        std::size_t place = begins[row];
-        for (const Observation& observation : point.observations) {
-          const std::uint32_t keyframe = index_.KeyFrameRow(row_, observation.keyframe);
-          for (const bool is_right : {false, true}) {
-            const std::int32_t keypoint = is_right ? observation.right : observation.left;
-            errors[place++] = keypoint < 0         ? kNotSeen
-                              : keyframe == kNoRow ? kNone
-                                                   : projectors[keyframe].Error(point.position, keypoint, is_right);
-          }
-        }
-      }
+      MeasureErrors(projectors, begin, end, errors.data() + begins[begin]);
     });
-    std::erase(errors, kNotSeen);
     const std::size_t seen = errors.size();
     std::erase_if(errors, [](float error) { return !std::isfinite(error); });
     result_.unprojectable = seen - errors.size();
     result_.reprojection_error = Describe(errors);
+  }
+
+  // Keypoints lie all over memory. Those of some points are found first, so that they come while others are computed.
+  void MeasureErrors(const std::vector<Projector>& projectors, std::size_t begin, std::size_t end, float* errors) const {
+    constexpr std::size_t kPoints = 16;
+    std::vector<Sight> sights;
+    for (; begin < end; begin += kPoints) {
+      const std::span points(map_.points.data() + begin, std::min(kPoints, end - begin));
+      sights.clear();
+      for (const MapPoint& point : points)
+        if (!point.bad) AddSights(projectors, point, sights);
+      auto sight = sights.cbegin();
+      for (const MapPoint& point : points) {
+        if (point.bad) continue;
+        for (const Observation& observation : point.observations) {
+          if (observation.left >= 0) *errors++ = (sight++)->Error(point.position);
+          if (observation.right >= 0) *errors++ = (sight++)->Error(point.position);
+        }
+      }
+    }
+  }
+
+  void AddSights(const std::vector<Projector>& projectors, const MapPoint& point, std::vector<Sight>& sights) const {
+    for (const Observation& observation : point.observations) {
+      const std::uint32_t row = index_.KeyFrameRow(row_, observation.keyframe);
+      const Projector* const projector = row == kNoRow ? nullptr : &projectors[row];
+      if (observation.left >= 0) sights.emplace_back(projector, observation.left, false);
+      if (observation.right >= 0) sights.emplace_back(projector, observation.right, true);
+    }
   }
 
   const AtlasIndex& index_;

@@ -152,10 +152,16 @@ TEST(WriteOrbslam3, FourByteLongsComeBackTheSame) {
   const Atlas atlas = ReadWith(Fixture("session_small_a/session_small_a.osa"), 0);
   const std::string sanitized = Written(atlas, {.sanitize = true});
   const std::string narrow = Written(ReadWith(Archive(sanitized), 0), {.long_bytes = 4});
-  const Atlas back = ReadWith(Archive(narrow), 0);
-  EXPECT_EQ(back.encoding.long_bytes, 4);
   EXPECT_LT(narrow.size(), sanitized.size());
-  EXPECT_TRUE(Written(back, {.long_bytes = 8}) == sanitized);
+  const TemporaryFolder folder;
+  const std::string path = folder.Make("narrow.osa", narrow);
+  for (const int threads : {1, 2}) {
+    for (const Source& source : {Archive(narrow), Source(path)}) {
+      const Atlas back = ReadWith(source, threads);
+      EXPECT_EQ(back.encoding.long_bytes, 4);
+      EXPECT_TRUE(Written(back, {.long_bytes = 8}) == sanitized) << source.path << " with " << threads << " threads";
+    }
+  }
 }
 
 TEST(WriteOrbslam3, RefusesAnIdThatDoesNotFitIntoFourBytes) {
@@ -184,6 +190,20 @@ TEST(ReadOrbslam3, PartSizesAddUpToTheFile) {
     bytes += 3 * 4 + 28 * (keyframe.features.keypoints.size() + keyframe.features.undistorted.size() +
                            keyframe.features.right_keypoints.size());
   EXPECT_EQ(keypoints->bytes, bytes);
+}
+
+TEST(ReadOrbslam3, PartSizesAreTheSameWithAnyThreads) {
+  const std::string path = Fixture("session_small_a/session_small_a.osa");
+  std::vector<std::uint64_t> alone;
+  for (const int threads : {1, 2, 5}) {
+    std::vector<PartSize> parts;
+    Notices notices;
+    static_cast<void>(ReadOrbslam3(path, {.part_sizes = &parts, .threads = threads}, notices));
+    std::vector<std::uint64_t> bytes;
+    for (const PartSize& part : parts) bytes.push_back(part.bytes);
+    if (threads == 1) alone = bytes;
+    EXPECT_EQ(bytes, alone) << threads << " threads";
+  }
 }
 
 TEST(ReadOrbslam3, LeavesFeaturesOutWhenAsked) {

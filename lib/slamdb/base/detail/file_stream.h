@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -18,7 +19,9 @@ namespace slamdb::detail {
 // several times faster than mapping the file, whose page faults cost more than copying it, and a file that somebody
 // shortens meanwhile is an Error instead of a SIGBUS. A stream (`-`, a FIFO) is read whole; bytes in memory are filled
 // from the start and stay where they are.
-// FillTo() belongs to one thread; Release() may be called from any.
+// What is large and wanted elsewhere need not go through the window: LeaveOut() leaves a hole there, and Copy() reads
+// it straight to where it belongs.
+// FillTo() and LeaveOut() belong to one thread; Release() and Copy() may be called from any.
 class FileStream {
  public:
   // `look` sees the beginning of a stream. Throws Error as WholeFile does.
@@ -34,12 +37,22 @@ class FileStream {
 
   // Reads until at least `offset` bytes are filled, or the whole file. Throws Error.
   void FillTo(std::size_t offset);
+  // The bytes from filled() to `offset`, not beyond the end, are not looked at, but copied. Bytes in memory stay.
+  void LeaveOut(std::size_t offset);
+  // Of what is filled or left out. Throws Error.
+  void Copy(std::size_t offset, std::size_t bytes, char* to);
   // Nobody looks at bytes before `offset` any more.
   void Release(std::size_t offset);
 
  private:
+  struct Hole {
+    std::size_t begin, end;
+  };
+
   void ReserveAddresses(std::size_t bytes);
   void AddBlock();
+  Hole FirstHole(std::size_t begin, std::size_t end);
+  void ReadAt(std::size_t offset, char* to, std::size_t bytes) const;
 
   std::string path_;
   std::optional<OpenedInput> file_;  // a regular one
@@ -53,6 +66,7 @@ class FileStream {
   std::mutex mutex_;          // guards the rest
   std::size_t released_ = 0;  // blocks given back
   std::vector<char*> spare_;  // of those, the ones not yet used again
+  std::deque<Hole> holes_;    // behind what is released, ascending
 };
 
 }  // namespace slamdb::detail

@@ -27,6 +27,8 @@ class OpenedInput {
   // Up to so many bytes from where reading stands; less only at the end. Throws Error, also for a FIFO that nobody
   // writes into within two seconds; a writer that is there is waited for as long as it takes.
   std::size_t Read(char* to, std::size_t bytes);
+  // Of a regular file, from there; the place of Read() stays. Thread-safe.
+  std::size_t ReadAt(std::uint64_t offset, char* to, std::size_t bytes) const;
 
  private:
   ssize_t ReadSome(char* to, std::size_t bytes);

@@ -20,7 +20,7 @@ using TakeBlock = std::type_identity_t<std::function<void(std::size_t i, const B
 // While the next block is not ready the caller makes it itself. At most a few blocks per thread exist at a time, so
 // memory does not grow with `count`. The first exception, in order of blocks, is rethrown.
 //
-// `Buffer`: Column<char> or std::string.
+// `Buffer`: Column<char>, Pieces or std::string.
 template <class Buffer = Column<char>>
 SLAMDB_EXPORT void ProduceInOrder(std::size_t count, int threads, const MakeBlock<Buffer>& make,
                                   const TakeBlock<Buffer>& take);

@@ -228,15 +228,16 @@ void ArchivePlan::Add(Segment segment, ClassTable& classes) {
   segments_.push_back(std::move(segment));
 }
 
-void ArchivePlan::Encode(std::size_t i, Column<char>& buffer) const {
-  if (i == 0) {
-    const std::string header = WriteArchiveHeader(encoding_);
-    buffer.insert(buffer.end(), header.begin(), header.end());
-  }
-  if (encoding_.text)
-    SegmentEncoder(atlas_, encoding_, segments_[i], TextOutput(buffer, encoding_)).Run();
-  else
-    SegmentEncoder(atlas_, encoding_, segments_[i], BinaryOutput(buffer, encoding_)).Run();
+void ArchivePlan::Encode(std::size_t i, Column<char>& text) const {
+  TextOutput output(text, encoding_);
+  if (i == 0) output.PutRaw(WriteArchiveHeader(encoding_));
+  SegmentEncoder(atlas_, encoding_, segments_[i], output).Run();
+}
+
+void ArchivePlan::Encode(std::size_t i, detail::Pieces& binary) const {
+  BinaryOutput output(binary, encoding_, BinaryOutput::Columns::kReferredTo);
+  if (i == 0) output.PutRaw(WriteArchiveHeader(encoding_));
+  SegmentEncoder(atlas_, encoding_, segments_[i], output).Run();
 }
 
 }  // namespace slamdb::orbslam3

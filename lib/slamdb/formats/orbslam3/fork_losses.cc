@@ -53,11 +53,13 @@ std::string Dropped(const Atlas& atlas) {
 
 // The bytes of a member as v1.0 writes it.
 template <class Step, class Entity>
-Column<char> BytesOf(const Step& step, const Entity& entity) {
-  Column<char> bytes;
+std::string BytesOf(const Step& step, const Entity& entity) {
+  slamdb::detail::Pieces pieces;
   const ArchiveEncoding encoding;
-  Encoder<BinaryOutput> encoder(BinaryOutput(bytes, encoding), ClassTable(encoding));
+  Encoder<BinaryOutput> encoder(BinaryOutput(pieces, encoding), ClassTable(encoding));
   step.run(encoder, step.name, entity);
+  std::string bytes;
+  encoder.output.Flush(0, [&](Bytes all) { bytes.assign(reinterpret_cast<const char*>(all.data()), all.size()); });
   return bytes;
 }
 
@@ -85,8 +87,8 @@ class LackedMembers {
     ++entities_;
     for (Lacked& lacked : lacked_) {
       if (lacked.lost) continue;
-      const Column<char> bytes = BytesOf(*lacked.step, entity);
-      const auto are_of = [&](const Entity& other) { return std::ranges::equal(bytes, BytesOf(*lacked.step, other)); };
+      const std::string bytes = BytesOf(*lacked.step, entity);
+      const auto are_of = [&](const Entity& other) { return bytes == BytesOf(*lacked.step, other); };
       lacked.lost = !are_of(nothing) && !are_of(back);
     }
   }

@@ -29,7 +29,7 @@ class ForkWriter {
         cameras_(atlas.cameras.size()) {}
 
   ForkWriting Write(const std::string& header) {
-    buffer_.insert(buffer_.end(), header.begin(), header.end());
+    encoder_.output.PutRaw(header);
     const std::string place = "Atlas";
     Members members(*this, atlas_.carried, place, done_.filled_others);
     for (const Op<Atlas>& op : program_.root) {
@@ -340,17 +340,13 @@ class ForkWriter {
   }
 
   static constexpr std::size_t kFlushBytes = std::size_t{1} << 20;
-  void Flush(std::size_t least) {
-    if (buffer_.size() <= least) return;
-    write_(std::as_bytes(std::span(buffer_)));
-    buffer_.clear();
-  }
+  void Flush(std::size_t least) { encoder_.output.Flush(least, write_); }
 
   const Atlas& atlas_;
   const ForkProgram& program_;
   bool carried_fits_;
   const Target::Sink& write_;
-  Column<char> buffer_;
+  typename Output::Buffer buffer_;
   Encoder<Output> encoder_;
   std::vector<std::optional<std::uint32_t>> cameras_;  // object ids of those that were written
   std::vector<MapObjects> objects_;

@@ -47,6 +47,20 @@ void Cursor::ReadOn(std::size_t bytes) {
   end_ = begin_ + stream_->filled();
 }
 
+void Cursor::LeaveOut(std::size_t bytes) {
+  const std::size_t left = reads_on_ ? remaining() : static_cast<std::size_t>(end_ - next_);
+  if (bytes > left) FailTruncated();
+  if (reads_on_) stream_->LeaveOut(offset() + bytes);
+  next_ += bytes;
+  if (reads_on_) end_ = begin_ + stream_->filled();
+}
+
+void BinaryInput::TakeLarge(char* to, std::size_t bytes) {
+  const std::size_t begin = offset();
+  LeaveOut(bytes);
+  stream_->Copy(begin, bytes, to);
+}
+
 void Cursor::FailCount(std::uint64_t count) const {
   const std::string problem =
       "a count of " + std::to_string(count) + " does not fit into the " + std::to_string(remaining()) + " bytes left: ";

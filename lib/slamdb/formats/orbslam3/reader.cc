@@ -41,6 +41,7 @@ class AtlasReader {
         options_(options),
         main_(At(file, header), ClassTable(header.encoding), options.features),
         team_(main_.input, options.features, file.size() < kSmallFile ? 1 : detail::ThreadCount(options.threads)) {
+    main_.Restart();
     atlas_.encoding = header.encoding;
   }
 
@@ -64,12 +65,17 @@ class AtlasReader {
   // Whether the atlas ends where the file does.
   bool whole() const { return whole_; }
   // Bytes of each part; what belongs to none is kOther.
-  PartBytes part_bytes() const { return team_.part_bytes(); }
+  PartBytes part_bytes() const {
+    PartBytes bytes = team_.part_bytes();
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] += main_.part_bytes()[i];
+    return bytes;
+  }
 
  private:
   static Input At(detail::FileStream& file, const ArchiveHeader& header) {
     Input input(&file, header.encoding);
     input.Seek(header.bytes);
+    input.LeaveOutLarge();
     return input;
   }
 
@@ -113,19 +119,28 @@ class AtlasReader {
 
   void ReadMap(Map& map, std::uint32_t row) {
     LayoutMapHead(main_, map);
-    Skipper<Input> skipper(main_.input, main_.classes);
-    skipper.input.place.field = "mvpBackupKeyFrames";
-    const std::uint64_t keyframes = skipper.ClassCount(WireClass::kKeyFrameList, 2, 1);
-    map.keyframes.resize(Bounded(keyframes, kLeastKeyFrameBytes, kLeastKeyFrameTokens));
-    FindKeyFrames(skipper, map, row, keyframes);
-    skipper.input.place.field = "mvpBackupMapPoints";
-    const std::uint64_t points = skipper.ClassCount(WireClass::kMapPointList, 2, 1);
-    map.points.resize(Bounded(points, kLeastPointBytes, kLeastPointTokens));
-    FindPoints(skipper, map, row, points);
-    main_.input = skipper.input;
-    main_.classes = skipper.classes;
-    main_.input.place.entity = nullptr;
+    if (team_.size() == 0) {
+      ReadLists(main_, map, row);
+    } else {
+      Skipper<Input> skipper(main_.input, main_.classes);
+      ReadLists(skipper, map, row);
+      main_.input = skipper.input;
+      main_.classes = skipper.classes;
+    }
     LayoutMapTail(main_, map);
+  }
+
+  // With a Decoder, which decodes each entity here and now, or a Skipper, which leaves them to the team.
+  template <class Archive>
+  void ReadLists(Archive& archive, Map& map, std::uint32_t row) {
+    archive.input.place.field = "mvpBackupKeyFrames";
+    const std::uint64_t keyframes = archive.ClassCount(WireClass::kKeyFrameList, 2, 1);
+    map.keyframes.resize(Bounded(keyframes, kLeastKeyFrameBytes, kLeastKeyFrameTokens));
+    ReadKeyFrames(archive, map, row, keyframes);
+    archive.input.place.field = "mvpBackupMapPoints";
+    const std::uint64_t points = archive.ClassCount(WireClass::kMapPointList, 2, 1);
+    map.points.resize(Bounded(points, kLeastPointBytes, kLeastPointTokens));
+    ReadPoints(archive, map, row, points);
   }
 
   // How many new objects a list of `count` pointers can hold at most, by the bytes left.
@@ -133,68 +148,87 @@ class AtlasReader {
     return std::min<std::uint64_t>(count, main_.input.remaining() / (Input::kText ? 2 * tokens : bytes));
   }
 
-  void FindKeyFrames(Skipper<Input>& skipper, Map& map, std::uint32_t row, std::uint64_t count) {
+  template <class Archive>
+  void ReadKeyFrames(Archive& archive, Map& map, std::uint32_t row, std::uint64_t count) {
     std::size_t found = 0;
     for (std::uint64_t position = 0; position < count; ++position) {
-      Enter(skipper, "kf", position, count);
-      const Pointer pointer = TakePointer(skipper, {WireClass::kKeyFrame});
+      Enter(archive, "kf", position, count);
+      const Pointer pointer = TakePointer(archive, {WireClass::kKeyFrame});
       if (pointer.kind != Pointer::Kind::kNew) {
-        map.repeated_keyframes.push_back(Repeated(skipper, pointer, position));
+        map.repeated_keyframes.push_back(Repeated(archive, pointer, position));
         continue;
       }
       objects_.Add(WireClass::kKeyFrame, row, found);
-      if (found == map.keyframes.size()) skipper.input.FailCount(count);
-      DecodeJob job{.offset = skipper.input.offset(),
-                    .classes = skipper.classes,
-                    .place = skipper.input.place,
-                    .keyframe = &map.keyframes[found++]};
-      LayoutKeyFrame(skipper, *job.keyframe);
-      job.end = EndOf(skipper);
-      team_.Add(job);
-      if (position % 32 == 0) Report(skipper.input.offset());
+      if (found == map.keyframes.size()) archive.input.FailCount(count);
+      TakeKeyFrame(archive, map.keyframes[found++]);
+      if (position % 32 == 0) Report(archive.input.offset());
     }
     map.keyframes.resize(found);
-    skipper.input.place.entity = nullptr;
+    archive.input.place.entity = nullptr;
   }
 
-  void FindPoints(Skipper<Input>& skipper, Map& map, std::uint32_t row, std::uint64_t count) {
+  template <class Archive>
+  void ReadPoints(Archive& archive, Map& map, std::uint32_t row, std::uint64_t count) {
     std::size_t found = 0;
-    DecodeJob job{.offset = 0, .classes = skipper.classes, .place = {}};
-    const auto flush = [&] {
-      if (job.point_count > 0) team_.Add(job);
-      job.point_count = 0;
-    };
     for (std::uint64_t position = 0; position < count; ++position) {
-      Enter(skipper, "mp", position, count);
-      const Pointer pointer = TakePointer(skipper, {WireClass::kMapPoint});
+      Enter(archive, "mp", position, count);
+      const Pointer pointer = TakePointer(archive, {WireClass::kMapPoint});
       if (pointer.kind != Pointer::Kind::kNew) {
-        flush();
-        map.repeated_points.push_back(Repeated(skipper, pointer, position));
+        EndPoints(archive);
+        map.repeated_points.push_back(Repeated(archive, pointer, position));
         continue;
       }
       objects_.Add(WireClass::kMapPoint, row, found);
-      if (found == map.points.size()) skipper.input.FailCount(count);
-      if (job.point_count == 0)
-        job = {.offset = skipper.input.offset(),
-               .classes = skipper.classes,
-               .place = skipper.input.place,
-               .points = &map.points[found]};
-      LayoutMapPoint(skipper, map.points[found++]);
-      job.end = EndOf(skipper);
-      if (++job.point_count < kPointsPerJob) continue;
-      flush();
-      Report(skipper.input.offset());
+      if (found == map.points.size()) archive.input.FailCount(count);
+      TakePoint(archive, map.points[found++]);
+      if (found % kPointsPerJob == 0) Report(archive.input.offset());
     }
-    flush();
+    EndPoints(archive);
     map.points.resize(found);
-    skipper.input.place.entity = nullptr;
+    archive.input.place.entity = nullptr;
   }
 
+  void TakeKeyFrame(Decoder<Input>& decoder, KeyFrame& keyframe) {
+    LayoutKeyFrame(decoder, keyframe);
+    file_.Release(decoder.input.offset());
+  }
+  void TakeKeyFrame(Skipper<Input>& skipper, KeyFrame& keyframe) {
+    DecodeJob job = JobAt(skipper);
+    job.keyframe = &keyframe;
+    LayoutKeyFrame(skipper, keyframe);
+    job.end = EndOf(skipper);
+    team_.Add(job);
+  }
+
+  void TakePoint(Decoder<Input>& decoder, MapPoint& point) {
+    LayoutMapPoint(decoder, point);
+    file_.Release(decoder.input.offset());
+  }
+  // Points that follow each other are one job.
+  void TakePoint(Skipper<Input>& skipper, MapPoint& point) {
+    if (points_.point_count == 0) {
+      points_ = JobAt(skipper);
+      points_.points = &point;
+    }
+    LayoutMapPoint(skipper, point);
+    points_.end = EndOf(skipper);
+    if (++points_.point_count == kPointsPerJob) EndPoints(skipper);
+  }
+  void EndPoints(const Decoder<Input>&) {}
+  void EndPoints(const Skipper<Input>&) {
+    if (points_.point_count > 0) team_.Add(points_);
+    points_.point_count = 0;
+  }
+
+  static DecodeJob JobAt(const Skipper<Input>& skipper) {
+    return {.offset = skipper.input.offset(), .classes = skipper.classes, .place = skipper.input.place};
+  }
   // Where the record behind the cursor ends; a text record includes the space that ends its last token.
   static std::size_t EndOf(const Skipper<Input>& skipper) { return skipper.input.offset() + (Input::kText ? 1 : 0); }
 
-  static void Enter(Skipper<Input>& skipper, const char* entity, std::uint64_t position, std::uint64_t count) {
-    Place& place = skipper.input.place;
+  template <class Archive>
+  static void Enter(Archive& archive, const char* entity, std::uint64_t position, std::uint64_t count) {
+    Place& place = archive.input.place;
     place.entity = entity;
     place.ordinal = position;
     place.of = count;
@@ -227,8 +261,9 @@ class AtlasReader {
   Atlas atlas_;
   bool whole_ = true;
   ObjectTable objects_;
-  Decoder<Input> main_;     // the cursor of the calling thread
-  DecodeTeam<Input> team_;  // last: it stops before what it fills goes away
+  DecodeJob points_{.classes = ClassTable({}), .place = {}};  // the job that map points are being added to
+  Decoder<Input> main_;                                       // the cursor of the calling thread
+  DecodeTeam<Input> team_;                                    // last: it stops before what it fills goes away
 };
 
 // What was read as of v1.0, and whether nothing stands behind it.

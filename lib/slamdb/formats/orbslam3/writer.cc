@@ -38,20 +38,33 @@ bool HasNonFinite(const Column<char>& text) {
   return view.find(" nan") != view.npos || view.find(" -nan") != view.npos || view.find("inf") != view.npos;
 }
 
+template <class Buffer>
+void Produce(const orbslam3::ArchivePlan& plan, int threads, const detail::TakeBlock<Buffer>& take) {
+  detail::ProduceInOrder<Buffer>(
+      plan.size(), plan.ThreadsThatPay(threads), [&](std::size_t i, Buffer& buffer) { plan.Encode(i, buffer); }, take);
+}
+
 void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
   const ArchiveEncoding encoding = EncodingFor(atlas, options.of<Orbslam3WriteOptions>());
   const orbslam3::ArchivePlan plan(atlas, encoding);
   AtomicFile file(target, {options.overwrite, options.sync, options.before_commit});
   bool non_finite = false;
-  detail::ProduceInOrder(
-      plan.size(), plan.ThreadsThatPay(options.threads),
-      [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
-      [&](std::size_t i, const Column<char>& buffer) {
-        file.Write(std::as_bytes(std::span(buffer)));
-        if (encoding.text && !non_finite) non_finite = HasNonFinite(buffer);
-        if (options.progress)
-          options.progress("writing " + target.path, static_cast<double>(i + 1) / static_cast<double>(plan.size()));
-      });
+  const auto report = [&](std::size_t i) {
+    if (options.progress)
+      options.progress("writing " + target.path, static_cast<double>(i + 1) / static_cast<double>(plan.size()));
+  };
+  if (encoding.text) {
+    Produce<Column<char>>(plan, options.threads, [&](std::size_t i, const Column<char>& text) {
+      file.Write(std::as_bytes(std::span(text)));
+      non_finite = non_finite || HasNonFinite(text);
+      report(i);
+    });
+  } else {
+    Produce<detail::Pieces>(plan, options.threads, [&](std::size_t i, const detail::Pieces& pieces) {
+      pieces.ForEach([&](Bytes bytes) { file.Write(bytes); });
+      report(i);
+    });
+  }
   file.Commit();
   if (non_finite)
     notices.Warn(target.path +
@@ -98,16 +111,19 @@ void WriteOrbslam3(const Atlas& atlas, const Target& target, const WriteOptions&
 
 std::string EncodeOrbslam3(const Atlas& atlas) {
   std::string encoded;
+  const auto append = [&](Bytes bytes) { encoded.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };
   if (!orbslam3::IsOwnLayout(atlas.layout)) {
     Notices unsaid;
-    const auto append = [&](Bytes bytes) { encoded.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); };
     orbslam3::WriteInLayout(atlas, EncodingFor(atlas, {}), atlas.layout, append, "memory", unsaid);
     return encoded;
   }
-  const orbslam3::ArchivePlan plan(atlas, EncodingFor(atlas, {}));
-  detail::ProduceInOrder(
-      plan.size(), plan.ThreadsThatPay(0), [&](std::size_t i, Column<char>& buffer) { plan.Encode(i, buffer); },
-      [&](std::size_t, const Column<char>& buffer) { encoded.append(buffer.data(), buffer.size()); });
+  const ArchiveEncoding encoding = EncodingFor(atlas, {});
+  const orbslam3::ArchivePlan plan(atlas, encoding);
+  if (encoding.text)
+    Produce<Column<char>>(plan, 0,
+                          [&](std::size_t, const Column<char>& text) { append(std::as_bytes(std::span(text))); });
+  else
+    Produce<detail::Pieces>(plan, 0, [&](std::size_t, const detail::Pieces& pieces) { pieces.ForEach(append); });
   return encoded;
 }
 

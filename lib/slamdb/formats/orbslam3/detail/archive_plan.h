@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "slamdb/base/detail/pieces.h"
 #include "slamdb/formats/orbslam3/detail/class_table.h"
 
 namespace slamdb::orbslam3 {
@@ -35,8 +36,10 @@ class ArchivePlan {
   std::size_t size() const { return segments_.size(); }
   // How many threads of those asked for pay: one where no list is longer than a segment.
   int ThreadsThatPay(int requested) const;
-  // Appends segment `i` to the buffer. Thread-safe. Throws Error when an id does not fit the encoding.
-  void Encode(std::size_t i, Column<char>& buffer) const;
+  // Appends segment `i` of a text or a binary archive to the buffer, which may refer to the atlas. Thread-safe. Throws
+  // Error when an id does not fit the encoding.
+  void Encode(std::size_t i, Column<char>& text) const;
+  void Encode(std::size_t i, detail::Pieces& binary) const;
 
  private:
   struct MapObjects {

@@ -25,8 +25,7 @@ struct DecodeJob {
 };
 
 // Decodes jobs on other threads while the caller looks for more of them, and releases the file behind. When too much
-// waits the caller decodes too, which bounds the memory that the file takes. With one thread the caller does all the
-// work.
+// waits the caller decodes too, which bounds the memory that the file takes.
 template <class Input>
 class DecodeTeam {
  public:
@@ -38,6 +37,9 @@ class DecodeTeam {
   ~DecodeTeam() { Stop(); }
   DecodeTeam(const DecodeTeam&) = delete;
   DecodeTeam& operator=(const DecodeTeam&) = delete;
+
+  // Threads beside the caller's.
+  std::size_t size() const { return helpers_.size(); }
 
   void Add(const DecodeJob& job) {
     std::unique_lock lock(mutex_);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "slamdb/formats/format.h"
 #include "slamdb/formats/orbslam3/detail/reading_archive.h"
@@ -138,10 +139,12 @@ class Decoder : public ReadingArchive<Input> {
     if (!indexes_) return this->SkipBowEntries(count);
     bow.words.resize(count);
     bow.weights.resize(count);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      bow.words[i] = this->input.template Take<std::uint32_t>();
-      bow.weights[i] = this->input.template Take<double>();
-    }
+    std::uint32_t* words = bow.words.data();
+    double* weights = bow.weights.data();
+    this->input.template TakePairs<std::uint32_t, double>(count, [&](std::uint32_t word, double weight) {
+      *words++ = word;
+      *weights++ = weight;
+    });
   }
   void FeatureMap(const char* name, FeatureVector& vector) {
     Field(name);
@@ -173,10 +176,10 @@ class Decoder : public ReadingArchive<Input> {
     Field(name);
     const std::uint64_t count = this->WeightCount();
     connections.resize(count);
-    for (Connection& connection : connections) {
-      connection.keyframe = KeyFrameId(this->input.TakeUnsignedLong());
-      connection.weight = this->input.template Take<std::int32_t>();
-    }
+    Connection* connection = connections.data();
+    this->input.TakeWeights(count, [&](std::uint64_t keyframe, std::int32_t weight) {
+      *connection++ = {KeyFrameId(keyframe), weight};
+    });
   }
   void Observations(const char* left_name, const char* right_name, Column<Observation>& observations);
   void Measurements(const char* name, Column<ImuMeasurement>& measurements) {
@@ -210,10 +213,9 @@ class Decoder : public ReadingArchive<Input> {
     values.resize(this->VectorCount(wire_class, sizeof(values[0])));
     this->input.TakeArray(values.data(), values.size());
   }
-  std::int32_t TakeKeypointRow() {
-    const auto row = this->input.template Take<std::int32_t>();
-    if (row == Observation::kAbsent) this->input.Fail("a keypoint row of -2147483648: the file is damaged");
-    return row;
+  void CheckKeypointRow(std::int32_t row) const {
+    if (row == Observation::kAbsent) [[unlikely]]
+      this->input.Fail("a keypoint row of -2147483648: the file is damaged");
   }
   void TakeKeypoints(Keypoint* keypoints, std::size_t count) {
     if constexpr (!Input::kText) {
@@ -231,6 +233,8 @@ class Decoder : public ReadingArchive<Input> {
     }
   }
   void SkipKeypoints(std::size_t count) { this->input.template SkipArray<float>(count * 7); }
+  static constexpr std::size_t kUsualInCell = 2;
+  std::size_t TakeGridColumn(std::uint64_t cells, FeatureGrid& grid, std::size_t filled);
 
   bool keypoints_, descriptors_, indexes_;
   std::size_t keypoint_count_ = 0;  // of the column read last: how much the grid behind it will hold
@@ -239,34 +243,56 @@ class Decoder : public ReadingArchive<Input> {
   PartBytes part_bytes_{};
 };
 
+// Most cells are empty, the others hold one or two keypoints, and nothing tells which: two are copied from every cell,
+// and what is not of it is overwritten by the next, so that the processor has nothing to guess.
 template <class Input>
 void Decoder<Input>::Grid(const char* name, FeatureGrid& grid) {
   Field(name);
   const std::uint8_t size_bytes = this->input.encoding().size_bytes;
   const std::uint64_t columns = this->ClassCount(WireClass::kGrid, 8, 2);
+  std::size_t filled = 0;  // of grid.keypoints
   for (std::uint64_t column = 0; column < columns; ++column) {
     const std::uint64_t cells = this->ClassCount(WireClass::kGridColumn, size_bytes, 2);
-    if (indexes_) {
-      if (column == 0) {
-        grid.column_sizes.reserve(columns);
-        grid.cell_sizes.reserve(std::min<std::uint64_t>(columns * cells, this->input.remaining() / 4));
-        grid.keypoints.reserve(keypoint_count_);
-      }
-      grid.column_sizes.push_back(static_cast<std::uint32_t>(cells));
+    if (cells > 0) this->classes.Register(WireClass::kSizes);
+    if (!indexes_) {
+      this->SkipGridColumn(cells);
+      continue;
     }
-    for (std::uint64_t cell = 0; cell < cells; ++cell) {
-      const std::uint64_t count = this->VectorCount(WireClass::kSizes, size_bytes);
-      if (!indexes_) {
-        this->input.SkipSizes(count);
-        continue;
-      }
-      grid.cell_sizes.push_back(static_cast<std::uint32_t>(count));
-      if (count == 0) continue;
-      const std::size_t begin = grid.keypoints.size();
-      grid.keypoints.resize(begin + count);
-      this->input.TakeSizes(grid.keypoints.data() + begin, count);
+    if (column == 0) {
+      grid.column_sizes.reserve(columns);
+      grid.cell_sizes.reserve(std::min<std::uint64_t>(columns * cells, this->input.remaining() / 4));
+      grid.keypoints.resize(keypoint_count_ + kUsualInCell);
     }
+    grid.column_sizes.push_back(static_cast<std::uint32_t>(cells));
+    filled = TakeGridColumn(cells, grid, filled);
   }
+  grid.keypoints.resize(filled);
+}
+
+// Returns how many keypoints there are with those of the column.
+template <class Input>
+std::size_t Decoder<Input>::TakeGridColumn(std::uint64_t cells, FeatureGrid& grid, std::size_t filled) {
+  const std::size_t first = grid.cell_sizes.size();
+  grid.cell_sizes.resize(first + cells);
+  std::uint32_t* size = grid.cell_sizes.data() + first;
+  const auto place_for = [&](std::size_t count) {
+    *size++ = static_cast<std::uint32_t>(count);
+    if (grid.keypoints.size() < filled + count + kUsualInCell) [[unlikely]]
+      grid.keypoints.resize(filled + count + keypoint_count_ + kUsualInCell);
+    return grid.keypoints.data() + std::exchange(filled, filled + count);
+  };
+  while (cells > 0) {
+    cells -= this->input.TakeSeenSizeVectors(cells, kUsualInCell, [&](std::size_t count, const char* entries) {
+      std::uint64_t* const to = place_for(count);
+      std::memcpy(to, entries, kUsualInCell * sizeof(*to));
+      if (count > kUsualInCell) std::memcpy(to, entries, count * sizeof(*to));
+    });
+    if (cells == 0) break;
+    const std::uint64_t count = this->VectorCount(this->input.encoding().size_bytes);
+    this->input.TakeSizes(place_for(count), count);
+    --cells;
+  }
+  return filled;
 }
 
 // The two maps are zipped while their keys agree, which is always so in a sound file. From the first disagreement on,
@@ -274,37 +300,39 @@ void Decoder<Input>::Grid(const char* name, FeatureGrid& grid) {
 template <class Input>
 void Decoder<Input>::Observations(const char* left_name, const char* right_name, Column<Observation>& observations) {
   Field(left_name);
-  observations.resize(this->WeightCount());
-  for (Observation& observation : observations) {
-    observation.keyframe = KeyFrameId(this->input.TakeUnsignedLong());
-    observation.left = TakeKeypointRow();
-    observation.right = Observation::kAbsent;
-  }
+  const std::uint64_t left_count = this->WeightCount();
+  observations.resize(left_count);
+  Observation* observation = observations.data();
+  this->input.TakeWeights(left_count, [&](std::uint64_t keyframe, std::int32_t left) {
+    CheckKeypointRow(left);
+    *observation++ = {KeyFrameId(keyframe), left, Observation::kAbsent};
+  });
   Field(right_name);
-  const std::uint64_t count = this->WeightCount();
-  std::size_t paired = 0;  // rows of `observations` that have met their right side
-  Column<Observation> unpaired;
-  std::size_t next_unpaired = 0;
+  const std::uint64_t right_count = this->WeightCount();
+  Observation* pair = observations.data();  // the next that has not met its right side
+  Observation* const pairs_end = pair + left_count;
   bool zipped = true;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const KeyFrameId keyframe(this->input.TakeUnsignedLong());
-    const std::int32_t right = TakeKeypointRow();
-    if (zipped && paired < observations.size() && observations[paired].keyframe == keyframe) {
-      observations[paired++].right = right;
-      continue;
+  Column<Observation> unpaired;
+  auto next_unpaired = unpaired.cbegin();
+  this->input.TakeWeights(right_count, [&](std::uint64_t id, std::int32_t right) {
+    const KeyFrameId keyframe(id);
+    CheckKeypointRow(right);
+    if (zipped && pair != pairs_end && pair->keyframe == keyframe) [[likely]] {
+      (pair++)->right = right;
+      return;
     }
     if (zipped) {
       zipped = false;
-      unpaired.assign(observations.begin() + static_cast<std::ptrdiff_t>(paired), observations.end());
-      observations.resize(paired);
+      unpaired.assign(pair, pairs_end);
+      next_unpaired = unpaired.cbegin();
+      observations.resize(static_cast<std::size_t>(pair - observations.data()));
     }
-    while (next_unpaired < unpaired.size() && unpaired[next_unpaired].keyframe < keyframe)
-      observations.push_back(unpaired[next_unpaired++]);
-    const bool pairs = next_unpaired < unpaired.size() && unpaired[next_unpaired].keyframe == keyframe;
-    observations.push_back({keyframe, pairs ? unpaired[next_unpaired++].left : Observation::kAbsent, right});
-  }
-  observations.insert(observations.end(), unpaired.begin() + static_cast<std::ptrdiff_t>(next_unpaired),
-                      unpaired.end());
+    while (next_unpaired != unpaired.cend() && next_unpaired->keyframe < keyframe)
+      observations.push_back(*next_unpaired++);
+    const bool pairs = next_unpaired != unpaired.cend() && next_unpaired->keyframe == keyframe;
+    observations.push_back({keyframe, pairs ? (next_unpaired++)->left : Observation::kAbsent, right});
+  });
+  observations.insert(observations.end(), next_unpaired, unpaired.cend());
 }
 
 }  // namespace slamdb::orbslam3

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <numeric>
+#include <span>
+#include <utility>
+
 #include "slamdb/formats/orbslam3/detail/layout.h"
 #include "slamdb/formats/orbslam3/detail/output.h"
 
@@ -131,20 +135,24 @@ class Encoder {
   }
   void Grid(const char*, const FeatureGrid& grid) {
     ClassCount(WireClass::kGrid, grid.column_sizes.size());
-    const std::uint32_t* cell = grid.cell_sizes.data();
+    const std::uint32_t* lengths = grid.cell_sizes.data();
     const std::uint64_t* keypoints = grid.keypoints.data();
+    const std::uint64_t* const end = keypoints + grid.keypoints.size();
     for (const std::uint32_t cells : grid.column_sizes) {
       ClassCount(WireClass::kGridColumn, cells);
-      for (const std::uint32_t* end = cell + cells; cell != end; ++cell) {
-        VectorCount(WireClass::kSizes, *cell);
-        output.PutSizes(keypoints, *cell);
-        keypoints += *cell;
-      }
+      if (cells > 0) classes.Register(WireClass::kSizes);
+      const std::span column(lengths, cells);
+      output.PutSizeVectors(column, keypoints, static_cast<std::size_t>(end - keypoints));
+      keypoints = std::accumulate(column.begin(), column.end(), keypoints);
+      lengths += cells;
     }
   }
   void Connections(const char*, const Column<Connection>& connections) {
     WeightCount(connections.size());
-    for (const Connection& connection : connections) PutWeight(connection.keyframe, connection.weight);
+    output.PutWeights(connections.size(), [connection = connections.begin()]() mutable {
+      const auto& [keyframe, weight] = *connection++;
+      return std::pair(keyframe.value(), weight);
+    });
   }
   // Two maps from one column; entries that one side lacks are left out of its map.
   void Observations(const char*, const char*, const Column<Observation>& observations) {
@@ -175,16 +183,16 @@ class Encoder {
     ClassCount(WireClass::kWeightMap, count);
     if (count > 0) ClassInfo(WireClass::kWeightPair);
   }
-  void PutWeight(KeyFrameId keyframe, std::int32_t weight) {
-    output.PutUnsignedLong(keyframe.value());
-    output.Put(weight);
-  }
   void PutSide(const Column<Observation>& observations, std::int32_t Observation::*side) {
     std::size_t count = 0;
     for (const Observation& observation : observations) count += observation.*side != Observation::kAbsent;
     WeightCount(count);
-    for (const Observation& observation : observations)
-      if (observation.*side != Observation::kAbsent) PutWeight(observation.keyframe, observation.*side);
+    output.PutWeights(count, [observation = observations.begin(), side]() mutable {
+      while ((*observation).*side == Observation::kAbsent) ++observation;
+      const std::pair entry(observation->keyframe.value(), (*observation).*side);
+      ++observation;
+      return entry;
+    });
   }
 };
 

@@ -52,6 +52,9 @@ class Cursor {
     end_ = begin_ + end;
     reads_on_ = false;
   }
+  // From here on large arrays do not go through the window of the file: this cursor leaves them out, and copies of it,
+  // as it is itself, copy them from the file. It never goes back.
+  void LeaveOutLarge() { leaves_out_ = true; }
 
   [[noreturn]] void Fail(const std::string& problem, ErrorKind kind = ErrorKind::kDamaged) const;
   [[noreturn]] void FailTruncated() const;
@@ -74,6 +77,13 @@ class Cursor {
     if (bytes > static_cast<std::size_t>(end_ - next_)) ReadOn(bytes);
   }
   [[gnu::cold, gnu::noinline]] void ReadOn(std::size_t bytes);
+  // Whether an array of that size is left out of the window.
+  bool IsLarge(std::size_t bytes) const {
+    constexpr std::size_t kLarge = std::size_t{1} << 13;
+    return bytes >= kLarge && leaves_out_;
+  }
+  // Passes a large array.
+  void LeaveOut(std::size_t bytes);
   std::string WholeSoFar() const;
 
   detail::FileStream* stream_;
@@ -82,6 +92,7 @@ class Cursor {
   const char* next_;
   const char* end_;  // of what can be looked at
   bool reads_on_ = true;
+  bool leaves_out_ = false;
   bool tolerates_ = false;
   std::vector<std::string>* notes_ = nullptr;
 };
@@ -101,6 +112,8 @@ class BinaryInput : public Cursor {
   void TakeArray(T* values, std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T>);
     const std::size_t bytes = count * sizeof(T);
+    if (IsLarge(bytes)) [[unlikely]]
+      return TakeLarge(reinterpret_cast<char*>(values), bytes);
     Need(bytes);
     if (bytes > 0) std::memcpy(values, next_, bytes);  // an empty column has no address
     next_ += bytes;
@@ -109,8 +122,27 @@ class BinaryInput : public Cursor {
   template <class T>
   void SkipArray(std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
-    Need(bytes);
-    next_ += bytes;
+    if (IsLarge(bytes)) [[unlikely]]
+      return LeaveOut(bytes);
+    SkipBytes(bytes);
+  }
+  // Calls visit(key, value) for pairs that stand one behind the other.
+  template <class Key, class Value, class Visit>
+  void TakePairs(std::size_t count, const Visit& visit) {
+    constexpr std::size_t kBytes = sizeof(Key) + sizeof(Value);
+    Need(count * kBytes);
+    for (; count > 0; --count) {
+      Key key;
+      Value value;
+      std::memcpy(&key, next_, sizeof(Key));
+      std::memcpy(&value, next_ + sizeof(Key), sizeof(Value));
+      next_ += kBytes;
+      visit(key, value);
+    }
+  }
+  template <class Key, class Value>
+  void SkipPairs(std::size_t count) {
+    SkipBytes(count * (sizeof(Key) + sizeof(Value)));
   }
 
   std::uint64_t TakeUnsignedLong() {
@@ -135,11 +167,42 @@ class BinaryInput : public Cursor {
     if (encoding_->size_bytes == 8) return TakeArray(values, count);
     for (std::size_t i = 0; i < count; ++i) values[i] = Take<std::uint32_t>();
   }
-  void SkipUnsignedLongs(std::size_t count) { SkipBytes(count, encoding_->long_bytes); }
-  void SkipSizes(std::size_t count) { SkipBytes(count, encoding_->size_bytes); }
+  void SkipUnsignedLongs(std::size_t count) { SkipNumbers(count, encoding_->long_bytes); }
+  void SkipSizes(std::size_t count) { SkipNumbers(count, encoding_->size_bytes); }
+  // Entries of map<unsigned long, int>.
+  template <class Visit>
+  void TakeWeights(std::size_t count, const Visit& visit) {
+    if (encoding_->long_bytes == 8) return TakePairs<std::uint64_t, std::int32_t>(count, visit);
+    TakePairs<std::uint32_t, std::int32_t>(
+        count, [&visit](std::uint32_t key, std::int32_t value) { visit(Widen(key), value); });
+  }
+  void SkipWeights(std::size_t count) { SkipBytes(count * (encoding_->long_bytes + sizeof(std::int32_t))); }
+  // Calls visit(length, entries) for vectors of 8-byte sizes that stand one behind the other, at most `count`, as long
+  // as they and `beyond` more entries lie in what can be looked at. Returns how many.
+  template <class Visit>
+  std::size_t TakeSeenSizeVectors(std::size_t count, std::size_t beyond, const Visit& visit) {
+    constexpr std::size_t kBytes = sizeof(std::uint64_t);
+    if (encoding_->size_bytes != kBytes) return 0;
+    const char* at = next_;
+    std::size_t taken = 0;
+    auto left = (end_ - next_) / static_cast<std::ptrdiff_t>(kBytes) - static_cast<std::ptrdiff_t>(beyond);
+    for (; taken < count && left > 0; ++taken) {
+      std::uint64_t length;
+      std::memcpy(&length, at, kBytes);
+      if (length >= static_cast<std::uint64_t>(left)) break;
+      visit(static_cast<std::size_t>(length), at + kBytes);
+      at += kBytes * (1 + length);
+      left -= static_cast<std::ptrdiff_t>(1 + length);
+    }
+    next_ = at;
+    return taken;
+  }
 
-  // A number of things that take at least `bytes` each (or `tokens` in text).
+  // A number of things that take at least `bytes` each (or `tokens` in text). What can be looked at already is nearly
+  // always enough, and spares a division.
   std::uint64_t CheckCount(std::uint64_t count, std::size_t bytes, std::size_t /*tokens*/) const {
+    const auto seen = static_cast<std::size_t>(end_ - next_);
+    if (count <= seen && count * bytes <= seen) return count;
     if (count > remaining() / bytes) FailCount(count);
     return count;
   }
@@ -153,10 +216,16 @@ class BinaryInput : public Cursor {
   }
 
  private:
-  void SkipBytes(std::size_t count, std::size_t each) {
-    Need(count * each);
-    next_ += count * each;
+  void SkipBytes(std::size_t bytes) {
+    Need(bytes);
+    next_ += bytes;
   }
+  // Those of 8 bytes are taken as an array.
+  void SkipNumbers(std::size_t count, std::size_t each) {
+    if (each == 8) return SkipArray<std::uint64_t>(count);
+    SkipBytes(count * each);
+  }
+  [[gnu::noinline]] void TakeLarge(char* to, std::size_t bytes);
 };
 
 class TextInput : public Cursor {
@@ -182,6 +251,18 @@ class TextInput : public Cursor {
     SkipTokens(count);
   }
 
+  template <class Key, class Value, class Visit>
+  void TakePairs(std::size_t count, const Visit& visit) {
+    for (; count > 0; --count) {
+      const Key key = Take<Key>();
+      visit(key, Take<Value>());
+    }
+  }
+  template <class Key, class Value>
+  void SkipPairs(std::size_t count) {
+    SkipTokens(2 * count);
+  }
+
   std::uint64_t TakeUnsignedLong() {
     if (encoding_->long_bytes == 8) return Take<std::uint64_t>();
     return BinaryInput::Widen(Take<std::uint32_t>());
@@ -194,6 +275,18 @@ class TextInput : public Cursor {
   void TakeSizes(std::uint64_t* values, std::size_t count) { TakeArray(values, count); }
   void SkipUnsignedLongs(std::size_t count) { SkipTokens(count); }
   void SkipSizes(std::size_t count) { SkipTokens(count); }
+  template <class Visit>
+  void TakeWeights(std::size_t count, const Visit& visit) {
+    for (; count > 0; --count) {
+      const std::uint64_t key = TakeUnsignedLong();
+      visit(key, Take<std::int32_t>());
+    }
+  }
+  void SkipWeights(std::size_t count) { SkipTokens(2 * count); }
+  template <class Visit>
+  std::size_t TakeSeenSizeVectors(std::size_t /*count*/, std::size_t /*beyond*/, const Visit& /*visit*/) {
+    return 0;  // one token at a time
+  }
 
   std::uint64_t CheckCount(std::uint64_t count, std::size_t /*bytes*/, std::size_t tokens) const {
     if (count > (remaining() + 1) / (2 * tokens)) FailCount(count);

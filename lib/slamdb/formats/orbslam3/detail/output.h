@@ -5,10 +5,14 @@
 #include <charconv>
 #include <cstring>
 #include <limits>
+#include <numeric>
+#include <span>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include "slamdb/base/column.h"
+#include "slamdb/base/detail/pieces.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/float_text.h"
 #include "slamdb/model/atlas.h"
@@ -32,10 +36,23 @@ inline std::int32_t Narrow(std::int64_t value) {
   return static_cast<std::int32_t>(value);
 }
 
+template <class Output, class Next>
+void PutEach(Output& output, std::size_t count, Next next) {
+  for (; count > 0; --count) {
+    const std::pair<std::uint64_t, std::int32_t> entry = next();
+    output.PutUnsignedLong(entry.first);
+    output.Put(entry.second);
+  }
+}
+
+// Adds to pieces. A large column is referred to where it outlives them; otherwise it is copied.
 class BinaryOutput {
  public:
+  using Buffer = detail::Pieces;
   static constexpr bool kText = false;
-  BinaryOutput(Column<char>& buffer, const ArchiveEncoding& encoding) : buffer_(buffer), encoding_(encoding) {}
+  enum class Columns { kCopied, kReferredTo };
+  BinaryOutput(Buffer& buffer, const ArchiveEncoding& encoding, Columns columns = Columns::kCopied)
+      : buffer_(buffer), encoding_(encoding), refers_(columns == Columns::kReferredTo) {}
 
   template <class T>
   void Put(T value) {
@@ -44,8 +61,10 @@ class BinaryOutput {
   template <class T>
   void PutArray(const T* values, std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T>);
+    constexpr std::size_t kLarge = std::size_t{1} << 13;
     const std::size_t bytes = count * sizeof(T);
-    if (bytes > 0) std::memcpy(Extend(bytes), values, bytes);
+    if (bytes >= kLarge && refers_) return buffer_.Refer(std::as_bytes(std::span(values, count)));
+    if (bytes > 0) std::memcpy(buffer_.Extend(bytes), values, bytes);
   }
   void PutUnsignedLong(std::uint64_t value) {
     if (encoding_.long_bytes == 8) return Put(value);
@@ -67,26 +86,67 @@ class BinaryOutput {
     if (encoding_.size_bytes == 8) return PutArray(values, count);
     for (std::size_t i = 0; i < count; ++i) PutSize(values[i]);
   }
+  // Entries of map<unsigned long, int>: next() gives one pair after the other.
+  template <class Next>
+  void PutWeights(std::size_t count, Next next) {
+    constexpr std::size_t kBytes = sizeof(std::uint64_t) + sizeof(std::int32_t);
+    if (encoding_.long_bytes != sizeof(std::uint64_t)) return PutEach(*this, count, next);
+    char* to = buffer_.Extend(count * kBytes);
+    for (; count > 0; --count, to += kBytes) {
+      const std::pair<std::uint64_t, std::int32_t> entry = next();
+      std::memcpy(to, &entry.first, sizeof(entry.first));
+      std::memcpy(to + sizeof(entry.first), &entry.second, sizeof(entry.second));
+    }
+  }
+  // Vectors of sizes one behind the other: the length of each, then its entries. Most have none, one or two, and
+  // nothing tells which: two are copied for each, and what is not of it is overwritten, so that the processor need not
+  // guess.
+  void PutSizeVectors(std::span<const std::uint32_t> lengths, const std::uint64_t* entries, std::size_t left) {
+    constexpr std::size_t kUsual = 2, kBytes = sizeof(std::uint64_t);
+    const std::size_t total = std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
+    if (encoding_.size_bytes != kBytes || left < total + kUsual) {
+      for (const std::uint32_t length : lengths) {
+        PutSize(length);
+        PutSizes(entries, length);
+        entries += length;
+      }
+      return;
+    }
+    char* to = buffer_.Extend(kBytes * (lengths.size() + total + kUsual));
+    for (const std::uint64_t length : lengths) {
+      std::memcpy(to, &length, kBytes);
+      to += kBytes;
+      std::memcpy(to, entries, kBytes * kUsual);
+      if (length > kUsual) std::memcpy(to, entries, kBytes * length);
+      to += kBytes * length;
+      entries += length;
+    }
+    buffer_.Shorten(kBytes * kUsual);
+  }
   void PutString(std::string_view text) {
     PutSize(text.size());
     PutArray(text.data(), text.size());
   }
   void PutObjectId(std::uint32_t id, bool /*is_new*/) { Put(id); }
   void PutEnd() {}
-
- private:
-  char* Extend(std::size_t bytes) {
-    const std::size_t size = buffer_.size();
-    buffer_.resize(size + bytes);
-    return buffer_.data() + size;
+  void PutRaw(std::string_view bytes) { PutArray(bytes.data(), bytes.size()); }
+  // Writes what was put and takes it away, if it is more than `least` bytes.
+  template <class Write>
+  void Flush(std::size_t least, const Write& write) {
+    if (buffer_.collected() <= least) return;
+    buffer_.ForEach(write);
+    buffer_.clear();
   }
 
-  Column<char>& buffer_;
+ private:
+  Buffer& buffer_;
   const ArchiveEncoding& encoding_;
+  const bool refers_;
 };
 
 class TextOutput {
  public:
+  using Buffer = Column<char>;
   static constexpr bool kText = true;
   TextOutput(Column<char>& buffer, const ArchiveEncoding& encoding) : buffer_(buffer), encoding_(encoding) {}
 
@@ -110,6 +170,18 @@ class TextOutput {
   }
   void PutSize(std::uint64_t value) { Put(value); }
   void PutSizes(const std::uint64_t* values, std::size_t count) { PutArray(values, count); }
+  template <class Next>
+  void PutWeights(std::size_t count, Next next) {
+    PutEach(*this, count, next);
+  }
+  void PutSizeVectors(std::span<const std::uint32_t> lengths, const std::uint64_t* entries, std::size_t /*left*/) {
+    for (const std::uint32_t length : lengths) {
+      PutSize(length);
+      Put(std::uint32_t{0});  // an item version
+      PutSizes(entries, length);
+      entries += length;
+    }
+  }
   void PutString(std::string_view text) {
     Put(static_cast<std::uint64_t>(text.size()));
     buffer_.push_back(' ');
@@ -122,6 +194,13 @@ class TextOutput {
     if (is_new) buffer_[space] = '\n';
   }
   void PutEnd() { buffer_.push_back('\n'); }
+  void PutRaw(std::string_view text) { buffer_.insert(buffer_.end(), text.begin(), text.end()); }
+  template <class Write>
+  void Flush(std::size_t least, const Write& write) {
+    if (buffer_.size() <= least) return;
+    write(std::as_bytes(std::span(buffer_)));
+    buffer_.clear();
+  }
 
  private:
   template <class T>
@@ -169,6 +248,9 @@ class NoOutput {
   void PutUnsignedLongs(const std::uint64_t*, std::size_t) {}
   void PutSize(std::uint64_t) {}
   void PutSizes(const std::uint64_t*, std::size_t) {}
+  template <class Next>
+  void PutWeights(std::size_t, Next) {}
+  void PutSizeVectors(std::span<const std::uint32_t>, const std::uint64_t*, std::size_t) {}
   void PutString(std::string_view) {}
 };
 

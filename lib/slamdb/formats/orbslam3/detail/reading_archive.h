@@ -35,6 +35,10 @@ class ReadingArchive {
   // The size of a vector of numbers.
   std::uint64_t VectorCount(WireClass wire_class, std::size_t bytes) {
     classes.Register(wire_class);
+    return VectorCount(bytes);
+  }
+  // Of a class that is registered.
+  std::uint64_t VectorCount(std::size_t bytes) {
     const std::uint64_t count = input.CheckCount(input.TakeSize(), bytes, 1);
     if constexpr (Input::kText) TakeKnown(std::uint32_t{0}, "an item version");
     return count;
@@ -53,11 +57,16 @@ class ReadingArchive {
     return count;
   }
   // Passes the entries of a bag of words: a word and a weight each.
-  void SkipBowEntries(std::uint64_t count) {
-    if constexpr (Input::kText)
-      input.template SkipArray<std::uint32_t>(count * 2);
-    else
-      input.template SkipArray<std::uint8_t>(count * 12);
+  void SkipBowEntries(std::uint64_t count) { input.template SkipPairs<std::uint32_t, double>(count); }
+  // Passes the cells of a column of a grid.
+  void SkipGridColumn(std::uint64_t cells) {
+    const std::uint8_t size_bytes = input.encoding().size_bytes;
+    while (cells > 0) {
+      cells -= input.TakeSeenSizeVectors(cells, 0, [](std::size_t, const char*) {});
+      if (cells == 0) return;
+      input.SkipSizes(VectorCount(size_bytes));
+      --cells;
+    }
   }
   std::uint64_t UnsignedLongCount() { return VectorCount(WireClass::kUnsignedLongs, input.encoding().long_bytes); }
   std::uint64_t KeypointCount() {

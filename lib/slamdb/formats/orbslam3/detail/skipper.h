@@ -90,8 +90,8 @@ class Skipper : public ReadingArchive<Input> {
     const std::uint64_t columns = this->ClassCount(WireClass::kGrid, 8, 2);
     for (std::uint64_t column = 0; column < columns; ++column) {
       const std::uint64_t cells = this->ClassCount(WireClass::kGridColumn, this->input.encoding().size_bytes, 2);
-      for (std::uint64_t cell = 0; cell < cells; ++cell)
-        this->input.SkipSizes(this->VectorCount(WireClass::kSizes, this->input.encoding().size_bytes));
+      if (cells > 0) this->classes.Register(WireClass::kSizes);
+      this->SkipGridColumn(cells);
     }
   }
   void Connections(const char* name, const Column<Connection>&) { SkipWeights(name); }
@@ -129,9 +129,7 @@ class Skipper : public ReadingArchive<Input> {
   }
   void SkipWeights(const char* name) {
     Field(name);
-    const std::uint64_t count = this->WeightCount();
-    this->input.SkipUnsignedLongs(count);
-    this->input.template SkipArray<std::int32_t>(count);
+    this->input.SkipWeights(this->WeightCount());
   }
 };
 
