@@ -86,13 +86,6 @@ std::int64_t CellOf(const Keypoint& keypoint, const ImageBounds& bounds) {
   return column < 0 || row < 0 ? -1 : std::int64_t{column} * bounds.grid_rows + row;
 }
 
-std::vector<std::int32_t> CellsOf(const Column<Keypoint>& keypoints, const ImageBounds& bounds) {
-  std::vector<std::int32_t> cells(keypoints.size());
-  for (std::size_t row = 0; row < keypoints.size(); ++row)
-    cells[row] = static_cast<std::int32_t>(CellOf(keypoints[row], bounds));
-  return cells;
-}
-
 // The cells along one axis that may hold what is within `radius` of `place`; none when first > last.
 struct CellRange {
   std::int32_t first, last;
@@ -237,9 +230,11 @@ FeatureGrid DeriveGrid(const Column<Keypoint>& keypoints, const ImageBounds& bou
   if (cells == 0) return grid;
   grid.column_sizes.resize(static_cast<std::size_t>(bounds.grid_columns), static_cast<std::uint32_t>(bounds.grid_rows));
   grid.cell_sizes.resize(cells, 0);
-  const std::vector<std::int32_t> cell_of = CellsOf(keypoints, bounds);
-  for (const std::int32_t cell : cell_of)
-    if (cell >= 0) ++grid.cell_sizes[static_cast<std::size_t>(cell)];
+  std::vector<std::int32_t> cell_of(keypoints.size());
+  for (std::size_t row = 0; row < keypoints.size(); ++row) {
+    cell_of[row] = static_cast<std::int32_t>(CellOf(keypoints[row], bounds));
+    if (cell_of[row] >= 0) ++grid.cell_sizes[static_cast<std::size_t>(cell_of[row])];
+  }
   std::vector<std::size_t> next(cells);
   std::exclusive_scan(grid.cell_sizes.begin(), grid.cell_sizes.end(), next.begin(), std::size_t{0});
   grid.keypoints.resize(next.back() + grid.cell_sizes.back());
@@ -249,29 +244,9 @@ FeatureGrid DeriveGrid(const Column<Keypoint>& keypoints, const ImageBounds& bou
   return grid;
 }
 
-// A keypoint has one cell, so a grid is the derived one when every entry stands in the cell of its keypoint, in
-// ascending order within the cell, and there are as many entries as keypoints inside the image.
 bool IsDerivedGrid(const FeatureGrid& grid, const Column<Keypoint>& keypoints, const ImageBounds& bounds) {
-  const auto cells = static_cast<std::size_t>(CellCount(bounds));
-  if (cells == 0) return grid == FeatureGrid();
-  if (grid.column_sizes.size() != static_cast<std::size_t>(bounds.grid_columns) || grid.cell_sizes.size() != cells)
-    return false;
-  const auto rows = static_cast<std::uint32_t>(bounds.grid_rows);
-  for (const std::uint32_t size : grid.column_sizes)
-    if (size != rows) return false;
-  const std::vector<std::int32_t> cell_of = CellsOf(keypoints, bounds);
-  const auto inside = std::ranges::count_if(cell_of, [](std::int32_t cell) { return cell >= 0; });
-  if (static_cast<std::size_t>(inside) != grid.keypoints.size()) return false;
-  std::size_t entry = 0;
-  for (std::size_t cell = 0; cell < cells; ++cell) {
-    if (grid.cell_sizes[cell] > grid.keypoints.size() - entry) return false;
-    for (const std::size_t begin = entry, end = entry + grid.cell_sizes[cell]; entry < end; ++entry) {
-      const std::uint64_t row = grid.keypoints[entry];
-      if (row >= keypoints.size() || (entry > begin && row <= grid.keypoints[entry - 1])) return false;
-      if (cell_of[row] != static_cast<std::int64_t>(cell)) return false;
-    }
-  }
-  return entry == grid.keypoints.size();
+  if (grid.cell_sizes.size() != static_cast<std::size_t>(CellCount(bounds))) return false;
+  return grid == DeriveGrid(keypoints, bounds);
 }
 
 ScalePyramid DerivePyramid(std::int32_t levels, float factor) {
