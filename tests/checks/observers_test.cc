@@ -119,7 +119,7 @@ class Breaker {
  private:
   std::size_t Below(std::size_t end) { return random_() % end; }
   template <class List>
-  auto& Any(List& list) {
+  typename List::value_type& Any(List& list) {
     return list[Below(list.size())];
   }
 

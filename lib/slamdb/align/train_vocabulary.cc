@@ -33,7 +33,8 @@ Descriptor MajorityOf(std::span<const Descriptor> descriptors, const Members& me
     std::array<std::uint64_t, std::tuple_size_v<Descriptor>> sums{};
     for (std::size_t i = begin; i < std::min(begin + kMostInByte, members.size()); ++i)
       for (std::size_t byte = 0; byte < sums.size(); ++byte) sums[byte] += kSpread[descriptors[members[i]][byte]];
-    for (std::size_t bit = 0; bit < counts.size(); ++bit) counts[bit] += sums[bit / 8] >> (8 * (bit % 8)) & 0xff;
+    for (std::size_t bit = 0; bit < counts.size(); ++bit)
+      counts[bit] += static_cast<std::uint8_t>(sums[bit / 8] >> (8 * (bit % 8)));
   }
   Descriptor majority{};
   for (std::size_t bit = 0; bit < counts.size(); ++bit)
