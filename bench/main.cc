@@ -9,7 +9,10 @@
 #include <set>
 #include <sstream>
 
+#include "bench/machine.h"
 #include "bench/measure.h"
+#include "bench/process.h"
+#include "bench/references.h"
 #include "bench/rounds.h"
 #include "slamdb/base/error.h"
 
@@ -22,8 +25,11 @@ constexpr const char* kUsage =
     "usage: slamdb_bench [options] [ATLAS.osa ...]\n"
     "  --sizes MB,MB,...  also synthetic RGB-D atlases of these sizes, e.g. 50,200,500\n"
     "  --points N         also a synthetic atlas with N map points, e.g. 1000000\n"
-    "  --rounds N         pairs per row (default 7)\n"
+    "  --rounds N         pairs per row (default 15)\n"
+    "  --cores one|all    each row on one core, or on all that there are (default: both)\n"
+    "  --cold             rows that read files also with these out of memory\n"
     "  --only ID,ID,...   rows whose measurement is one of these, e.g. read-binary,check\n"
+    "  --slamdb FILE      the command (default: beside the folder of this program)\n"
     "  --folder DIR       where the files go that are measured (default: a new one in the temporary folder)\n"
     "  --keep             leave them there\n"
     "  --list             print the measurements\n";
@@ -46,9 +52,10 @@ struct Arguments {
 };
 
 Arguments Parse(int count, char** values) {
-  static const std::set<std::string> kFlags = {"--keep", "--list"};
-  static const std::set<std::string> kOptions = {"--sizes", "--points",  "--rounds",  "--only",      "--folder",
-                                                 "--name",  "--measure", "--prepare", "--synthesize"};
+  static const std::set<std::string> kFlags = {"--keep", "--list", "--cold"};
+  static const std::set<std::string> kOptions = {"--sizes",   "--points",  "--rounds",    "--only",
+                                                 "--cores",   "--slamdb",  "--folder",    "--name",
+                                                 "--measure", "--prepare", "--synthesize"};
   Arguments arguments;
   for (int i = 1; i < count; ++i) {
     const std::string option = values[i];
@@ -67,7 +74,7 @@ Arguments Parse(int count, char** values) {
 
 // What the fresh processes do. False: this is not one.
 bool RunChild(const Arguments& arguments) {
-  const Workplace workplace{arguments.Get("--folder"), arguments.Get("--name")};
+  const Workplace workplace{arguments.Get("--folder"), arguments.Get("--name"), arguments.Get("--slamdb")};
   if (arguments.Has("--measure")) {
     const Sample sample = MeasurementById(arguments.Get("--measure")).run(workplace);
     std::printf("%.9f %.3f\n", sample.seconds, sample.peak_megabytes);
@@ -91,6 +98,7 @@ class Benchmark {
   }
 
   void Run() {
+    PrintMachine(folder_, std::cout);
     PrintTableHead(std::cout);
     for (const std::string& atlas : arguments_.atlases) Measure(atlas, std::filesystem::path(atlas).stem().string());
     for (const std::string& size : arguments_.List("--sizes")) MeasureSynthetic(size, "0", "synthetic_" + size + "MB");
@@ -108,15 +116,26 @@ class Benchmark {
     return arguments.Get("--folder", own.string());
   }
 
+  static std::string SlamdbBeside(const std::filesystem::path& program) {
+    return program.parent_path().parent_path() / "slamdb";
+  }
+
+  RoundOptions Rounds() const {
+    RoundOptions options{.program = program_, .only = arguments_.List("--only"), .cold = arguments_.Has("--cold")};
+    if (arguments_.Has("--rounds")) options.rounds = std::max(1, std::atoi(arguments_.Get("--rounds").c_str()));
+    const std::string cores = arguments_.Get("--cores", "both");
+    if (cores == "one") options.cores = {Cores::kOne};
+    if (cores == "all") options.cores = {Cores::kAll};
+    return options;
+  }
+
   void Measure(const std::string& atlas, const std::string& name) const {
-    const Workplace workplace{folder_, name};
+    const Workplace workplace{folder_, name, arguments_.Get("--slamdb", SlamdbBeside(program_))};
     RunProgram({program_, "--prepare", atlas, "--folder", folder_, "--name", name});
-    const int rounds = std::max(1, std::atoi(arguments_.Get("--rounds", "7").c_str()));
-    MeasureRows(workplace, {program_, rounds, arguments_.List("--only")}, std::cout);
+    MeasureRows(workplace, Rounds(), std::cout);
     if (arguments_.Has("--keep")) return;
-    for (const std::string& path :
-         {workplace.binary(), workplace.other(), workplace.text(), workplace.store(), workplace.output()})
-      std::filesystem::remove(path);
+    std::filesystem::remove(workplace.output());
+    for (const std::string& path : workplace.inputs()) std::filesystem::remove(path);
   }
 
   void MeasureSynthetic(const std::string& megabytes, const std::string& points, const std::string& name) const {
@@ -132,7 +151,8 @@ class Benchmark {
 
 void RunParent(const Arguments& arguments) {
   if (arguments.Has("--list")) {
-    for (const Measurement& measurement : Measurements()) std::cout << measurement.id << "\n";
+    for (const auto& measurements : {Measurements(), References()})
+      for (const Measurement& measurement : measurements) std::cout << measurement.id << "\n";
   } else if (arguments.atlases.empty() && !arguments.Has("--sizes") && !arguments.Has("--points")) {
     std::cout << kUsage;
   } else {

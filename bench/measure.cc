@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/measure.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <thread>
 
-#include "slamdb/base/atomic_file.h"
-#include "slamdb/base/column.h"
-#include "slamdb/base/detail/parallel.h"
+#include "bench/process.h"
+#include "bench/references.h"
+#include "bench/timing.h"
 #include "slamdb/base/error.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/edit/diff/diff.h"
@@ -34,43 +27,6 @@
 namespace slamdb::bench {
 namespace {
 
-using reference::Encoding;
-
-template <class Work>
-Sample Time(const Work& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return {.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()};
-}
-
-// Megabytes of this process that are not of a file.
-double AnonymousMemory() {
-  std::ifstream stream("/proc/self/statm");
-  double pages = 0, resident = 0, shared = 0;
-  stream >> pages >> resident >> shared;
-  return (resident - shared) * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
-}
-
-// Runs the work while a thread looks at the memory every millisecond; its time is not to be used.
-template <class Work>
-Sample WatchMemory(const Work& work) {
-  const double before = AnonymousMemory();
-  std::atomic<bool> done = false;
-  double peak = 0;
-  std::thread watcher([&] {
-    while (!done) {
-      peak = std::max(peak, AnonymousMemory());
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-  });
-  Sample sample = Time(work);
-  peak = std::max(peak, AnonymousMemory());
-  done = true;
-  watcher.join();
-  sample.peak_megabytes = peak - before;
-  return sample;
-}
-
 Atlas Read(const std::string& path) {
   Notices notices;
   return ReadOrbslam3(path, {}, notices);
@@ -85,12 +41,6 @@ void Write(Atlas& atlas, const std::string& path, bool text, bool sanitize = fal
                                         .sanitize = sanitize};
   atlas.encoding.text = text;
   WriteOrbslam3(atlas, path, options, notices);
-}
-
-// Leaves without tearing down what was read: a command that has done its work does the same.
-template <class Value>
-void Keep(Value&& value) {
-  new Value(std::forward<Value>(value));
 }
 
 // ---- reading
@@ -110,19 +60,9 @@ Sample ReadByLayout(const Workplace& at) {
 Sample ReadText(const Workplace& at) {
   return Time([&] { Keep(Read(at.text())); });
 }
-Sample ReferenceReadBinary(const Workplace& at) {
-  return Time([&] { Keep(reference::Load(at.binary(), Encoding::kBinary)); });
-}
-Sample ReferenceReadText(const Workplace& at) {
-  return Time([&] { Keep(reference::Load(at.text(), Encoding::kText)); });
-}
 Sample ReadMemory(const Workplace& at) {
   return WatchMemory([&] { Keep(Read(at.binary())); });
 }
-Sample ReferenceReadMemory(const Workplace& at) {
-  return WatchMemory([&] { Keep(reference::Load(at.binary(), Encoding::kBinary)); });
-}
-
 // ---- writing
 
 Sample WriteAs(const Workplace& at, bool text) {
@@ -130,16 +70,8 @@ Sample WriteAs(const Workplace& at, bool text) {
   std::filesystem::remove(at.output());
   return Time([&] { Write(atlas, at.output(), text); });
 }
-Sample ReferenceWriteAs(const Workplace& at, Encoding encoding) {
-  const Atlas atlas = Read(at.binary());
-  std::filesystem::remove(at.output());
-  return Time([&] { reference::Save(atlas, at.output(), encoding); });
-}
 Sample WriteBinary(const Workplace& at) { return WriteAs(at, false); }
 Sample WriteText(const Workplace& at) { return WriteAs(at, true); }
-Sample ReferenceWriteBinary(const Workplace& at) { return ReferenceWriteAs(at, Encoding::kBinary); }
-Sample ReferenceWriteText(const Workplace& at) { return ReferenceWriteAs(at, Encoding::kText); }
-
 // ---- info and check
 
 // What the command does, but for printing: statistics of everything, and the size on disk by part.
@@ -256,22 +188,7 @@ Sample MergeInputAndOutput(const Workplace& at) {
   });
 }
 
-// ---- the limit: the same bytes from the page cache into fresh memory
-
-Sample Copy(const Workplace& at, int threads) {
-  return Time([&] {
-    const WholeFile file(at.binary());
-    const Bytes bytes = file.bytes();
-    auto* memory = static_cast<std::byte*>(AllocateColumn(bytes.size()));
-    detail::ParallelFor(bytes.size(), std::size_t{4} << 20, threads, [&](std::size_t begin, std::size_t end) {
-      std::memcpy(memory + begin, bytes.data() + begin, end - begin);
-    });
-  });
-}
-Sample CopyOneThread(const Workplace& at) { return Copy(at, 1); }
-Sample CopyAllThreads(const Workplace& at) { return Copy(at, 0); }
-
-// ---- exports, on one core, and what writing their bytes takes
+// ---- exports, on one core
 
 void Export(const Atlas& atlas, const Workplace& at, const std::string& format) {
   std::filesystem::remove_all(at.output());
@@ -283,51 +200,33 @@ Sample ExportAs(const Workplace& at, const std::string& format) {
   std::filesystem::remove_all(at.output());
   return sample;
 }
-Sample WriteBytesOf(const Workplace& at, const std::string& format) {
-  Export(Read(at.binary()), at, format);
-  std::string bytes;
-  if (std::filesystem::is_directory(at.output()))
-    for (const auto& entry : std::filesystem::directory_iterator(at.output()))
-      bytes += WholeFile(Source(entry.path().string())).text();
-  else
-    bytes = WholeFile(Source(at.output())).text();
-  std::filesystem::remove_all(at.output());
-  return Time([&] {
-    std::ofstream out(at.output(), std::ios::binary);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  });
-}
 Sample ExportStella(const Workplace& at) { return ExportAs(at, "stella"); }
-Sample WriteStellaBytes(const Workplace& at) { return WriteBytesOf(at, "stella"); }
 Sample ExportStellaDatabase(const Workplace& at) { return ExportAs(at, "stella-sqlite"); }
-Sample WriteStellaDatabaseBytes(const Workplace& at) { return WriteBytesOf(at, "stella-sqlite"); }
 Sample ExportColmap(const Workplace& at) { return ExportAs(at, "colmap"); }
-Sample WriteColmapBytes(const Workplace& at) { return WriteBytesOf(at, "colmap"); }
 
-// ... and from the page cache into a new file.
-Sample CopyToFile(const Workplace& at) {
+// ---- whole processes
+
+Sample Run(const Workplace& at, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), at.slamdb);
+  return Time([&] { RunProgram(arguments, Cores::kAll, Output::kDiscard); });  // on the cores that this one has
+}
+Sample RunVersion(const Workplace& at) { return Run(at, {"version"}); }
+Sample RunHelp(const Workplace& at) { return Run(at, {"check", "-h"}); }
+Sample RunInfo(const Workplace& at) { return Run(at, {"info", at.binary()}); }
+Sample RunCheck(const Workplace& at) { return Run(at, {"check", "--quiet", at.binary()}); }
+Sample RunConvert(const Workplace& at) {
   std::filesystem::remove(at.output());
-  return Time([&] {
-    const WholeFile file(at.binary());
-    AtomicFile output(at.output(), {.overwrite = true, .sync = false});
-    output.Write(file.bytes());
-    output.Commit();
-  });
+  return Run(at, {"convert", "--quiet", "--no-sync", "--to", "orbslam3", at.binary(), at.output()});
 }
 
 constexpr Measurement kMeasurements[] = {
-    {"read-binary", ReadBinary},
-    {"read-binary-reference", ReferenceReadBinary},
-    {"read-layout", ReadByLayout},
-    {"read-text", ReadText},
-    {"read-text-reference", ReferenceReadText},
+    {"read-binary", ReadBinary, FromFile::kYes},
+    {"read-layout", ReadByLayout, FromFile::kYes},
+    {"read-text", ReadText, FromFile::kYes},
     {"read-memory", ReadMemory},
-    {"read-memory-reference", ReferenceReadMemory},
     {"write-binary", WriteBinary},
-    {"write-binary-reference", ReferenceWriteBinary},
     {"write-text", WriteText},
-    {"write-text-reference", ReferenceWriteText},
-    {"info", Info},
+    {"info", Info, FromFile::kYes},
     {"check", Check},
     {"extract", Extract},
     {"cull", CullAll},
@@ -335,19 +234,18 @@ constexpr Measurement kMeasurements[] = {
     {"transform", Transform},
     {"diff", Diff},
     {"store-save", StoreSave},
-    {"store-load", StoreLoad},
+    {"store-load", StoreLoad, FromFile::kYes},
     {"store-save-again", StoreSaveAgain},
-    {"merge", Merge},
-    {"merge-input-output", MergeInputAndOutput},
+    {"merge", Merge, FromFile::kYes},
+    {"merge-input-output", MergeInputAndOutput, FromFile::kYes},
     {"export-stella", ExportStella},
-    {"export-stella-bytes", WriteStellaBytes},
     {"export-stella-sqlite", ExportStellaDatabase},
-    {"export-stella-sqlite-bytes", WriteStellaDatabaseBytes},
     {"export-colmap", ExportColmap},
-    {"export-colmap-bytes", WriteColmapBytes},
-    {"copy", CopyOneThread},
-    {"copy-parallel", CopyAllThreads},
-    {"copy-to-file", CopyToFile},
+    {"run-version", RunVersion},
+    {"run-help", RunHelp},
+    {"run-info", RunInfo, FromFile::kYes},
+    {"run-check", RunCheck, FromFile::kYes},
+    {"run-convert", RunConvert, FromFile::kYes},
 };
 
 SyntheticOptions RoomOf(std::size_t keyframes, std::size_t points) {
@@ -366,6 +264,8 @@ std::span<const Measurement> Measurements() { return kMeasurements; }
 const Measurement& MeasurementById(std::string_view id) {
   for (const Measurement& measurement : kMeasurements)
     if (measurement.id == id) return measurement;
+  for (const Measurement& reference : References())
+    if (reference.id == id) return reference;
   throw Error(ErrorKind::kUsage, "unknown measurement '" + std::string(id) + "'");
 }
 

@@ -6,22 +6,22 @@
 #include <vector>
 
 #include "bench/measure.h"
+#include "bench/process.h"
 
 namespace slamdb::bench {
 
 struct RoundOptions {
-  std::string program;  // this one, to start as a fresh process
-  int rounds = 7;
-  std::vector<std::string> only;  // rows to measure; empty: all
+  std::string program;                                    // this one, to start as a fresh process
+  int rounds = 15;                                        // pairs a row
+  std::vector<std::string> only;                          // rows to measure; empty: all
+  std::vector<Cores> cores = {Cores::kOne, Cores::kAll};  // each row on these
+  bool cold = false;                                      // rows that read a file also with nothing of it in memory
 };
 
-// Measures everything on one prepared atlas and prints its rows of the table: ours and the reference in alternation, so
-// that what else the machine does falls on both; the median of the ratios of the pairs, with the least and the
-// greatest.
+// Measures everything on one prepared atlas and prints its rows of the table: ours and what it is held against in
+// alternation, so that what else the machine does falls on both; medians, and of the ratios of the pairs the quartiles
+// with the least and the greatest besides.
 void MeasureRows(const Workplace& workplace, const RoundOptions& options, std::ostream& out);
 void PrintTableHead(std::ostream& out);
-
-// Starts the program with these arguments and waits. Returns what it printed. Throws Error when it fails.
-std::string RunProgram(const std::vector<std::string>& arguments);
 
 }  // namespace slamdb::bench

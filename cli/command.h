@@ -52,6 +52,7 @@ struct Command {
   std::span<const Example> examples;
   Run (*add)(CLI::App& verb) = nullptr;  // binds options and returns what to run; does nothing else
   bool hidden = false;                   // not in the list of verbs
+  bool tells_of_all = false;             // of the options of other verbs
   std::string_view trouble = {};         // of verbs whose failures end with 2, as cmp's do: what 2 means
 };
 

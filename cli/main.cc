@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The slamdb command: binds every verb of command.cc, parses, runs the one that was named, and turns the outcome into
-// an exit code. The only place that does.
+// The slamdb command: binds the verb of command.cc that was named, parses, runs it, and turns the outcome into an exit
+// code. The only place that does.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -48,8 +48,8 @@ void AddCommonOptions(CLI::App& verb, ConsoleOptions& console) {
   for (CLI::App* sub : inner) AddCommonOptions(*sub, console);
 }
 
-void Bind(Program& program) {
-  CLI::App& app = program.app;
+// Every verb by its name alone: binding the options of all takes longer than most verbs do.
+void AddVerbs(CLI::App& app) {
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "Print help: -h a screen of it, --help all")->group(kCommonGroup);
   app.set_version_flag("-V,--version", "slamdb " + std::string(Version()), "Print the version")->group(kCommonGroup);
@@ -57,6 +57,18 @@ void Bind(Program& program) {
   for (const Command* command : Commands()) {
     CLI::App* verb = app.add_subcommand(std::string(command->name), std::string(command->summary));
     if (command->hidden) verb->group("");
+  }
+}
+
+// Binds the options of the verbs that are among the words, or of all where one of them tells of all.
+void BindOptions(Program& program, const std::vector<std::string>& words) {
+  const auto named = [&](const Command* command) { return std::ranges::count(words, command->name) > 0; };
+  const auto commands = Commands();
+  const bool all =
+      std::ranges::any_of(commands, [&](const Command* each) { return each->tells_of_all && named(each); });
+  for (const Command* command : commands) {
+    CLI::App* verb = program.app.get_subcommand(std::string(command->name));
+    if ((!all && !named(command)) || program.runs.contains(verb)) continue;
     program.runs[verb] = command->add(*verb);
     AddCommonOptions(*verb, program.console);
   }
@@ -151,7 +163,8 @@ void MoveVerbToFront(const CLI::App& app, std::vector<std::string>& words) {
 
 int Main(std::vector<std::string> words) {
   Program program;
-  Bind(program);
+  AddVerbs(program.app);
+  BindOptions(program, words);
   if (words.empty()) {
     std::cerr << HelpText(program.app, {false, PageWidth(STDERR_FILENO), UsesColour(STDERR_FILENO)}) << "\n";
     return ReportUsage({"a verb is missing", "slamdb --help"});
@@ -159,7 +172,7 @@ int Main(std::vector<std::string> words) {
   MoveVerbToFront(program.app, words);
   const FirstWord first = Judge(words);
   if (first == FirstWord::kUnknown) return ReportUsage(ProblemOfVerb(program.app, words));
-  if (first == FirstWord::kAtlas) words.insert(words.begin(), "info");
+  if (first == FirstWord::kAtlas) BindOptions(program, {*words.insert(words.begin(), "info")});
   try {
     program.app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {

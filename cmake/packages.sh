@@ -16,15 +16,15 @@ declare -A packages=(
   [python]="python3-dev pybind11-dev python3-numpy python3-pytest"
   # What examples in Python use besides: plots, many machines. Their tests skip what is not there.
   [examples]="python3-matplotlib python3-distributed"
-  # What the module goes with: matrices, tables, notebooks, wheels; and what watches its memory. Its tests skip likewise.
-  [notebooks]="python3-scipy python3-pandas python3-tqdm python3-nbformat python3-nbconvert python3-nbclient python3-ipykernel python3-pip valgrind"
+  # What the module goes with: matrices, tables, notebooks, wheels. Its tests skip likewise.
+  [notebooks]="python3-scipy python3-pandas python3-tqdm python3-nbformat python3-nbconvert python3-nbclient python3-ipykernel python3-pip"
   # What cpack makes packages with.
   [packaging]="file dpkg-dev"
   [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 protobuf-compiler python3-msgpack mandoc file dpkg-dev"
   # What tells which libraries a static Cairo is made of.
   [static]="pkg-config"
-  # What .ci/run adds: another compiler and what looks at sources, a browser, clean systems to install into.
-  [checkers]="clang clang-format clang-tidy libclang-rt-dev mypy shellcheck xz-utils"
+  # What .ci/run adds: another compiler and what looks at sources and at running programs, a browser, clean systems to install into.
+  [checkers]="clang clang-format clang-tidy libclang-rt-dev mypy shellcheck valgrind xz-utils"
   [browser]="chromium"
   [node]="nodejs npm"
   [systems]="debootstrap lintian"

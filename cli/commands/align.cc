@@ -10,6 +10,7 @@
 #include "cli/edit.h"
 #include "cli/exports.h"
 #include "cli/guard.h"
+#include "cli/libraries.h"
 #include "cli/options.h"
 #include "cli/report/align_text.h"
 #include "cli/whole_store.h"
@@ -61,6 +62,7 @@ void DrawLink(const AlignedMaps& aligned, const MapsToAlign& given, const AlignV
 }
 
 ExitCode RunAlign(const AlignVerbOptions& options, Console& console) {
+  if (!options.plot.empty()) GoOnWithLibraries();
   if (!options.plot.empty()) (void)PictureFormatOf(options.plot);
   std::optional<AtomicFile> file;
   std::optional<AtomicFile> picture;

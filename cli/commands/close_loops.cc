@@ -7,6 +7,7 @@
 #include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/libraries.h"
 #include "cli/report/close_loops_text.h"
 #include "cli/report/optimize_text.h"
 #include "slamdb/optimize/warnings.h"
@@ -21,6 +22,7 @@ struct CloseLoopsVerbOptions {
 };
 
 ExitCode RunCloseLoops(const CloseLoopsVerbOptions& options, Console& console) {
+  GoOnWithLibraries();
   Notices notices;
   CloseLoopsOptions close = options.close;
   for (const std::uint64_t id : options.maps) close.maps.emplace_back(id);

@@ -306,6 +306,7 @@ const Command kCompletion = {
     .failed = "Standard output could not be written.",
     .examples = kExamples,
     .add = AddCompletion,
+    .tells_of_all = true,
 };
 
 }  // namespace slamdb::cli

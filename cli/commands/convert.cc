@@ -9,6 +9,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/libraries.h"
 #include "cli/options.h"
 #include "cli/reconstructions.h"
 #include "cli/report/layout.h"
@@ -99,6 +100,7 @@ void RefuseIdleOptions(const Format& output, const ConvertVerbOptions& options) 
 }
 
 ExitCode RunConvert(const ConvertVerbOptions& options, Console& console) {
+  if (!options.reconstructions.images.empty()) GoOnWithLibraries();
   RequireOutput(options.output);
   const Location input(options.input), output(NamedOutput(options.input, options.output, FormatAsked(options)));
   const Format& format = FormatOfOutput(output, FormatAsked(options));

@@ -7,6 +7,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/guard.h"
+#include "cli/libraries.h"
 #include "cli/options.h"
 #include "cli/report/locate_text.h"
 #include "cli/values.h"
@@ -89,6 +90,7 @@ ExitCode RunInAtlas(const LocateVerbOptions& options, Console& console) {
 }
 
 ExitCode RunLocate(const LocateVerbOptions& options, Console& console) {
+  if (!options.pictures.empty()) GoOnWithLibraries();
   RefuseContradictions(options);
   std::optional<Store> store = OpenWholeStore(options.input, options.from, options.wait);
   return store ? RunInWholeStore(options, *store, console) : RunInAtlas(options, console);

@@ -67,6 +67,7 @@ const Command kMan = {
     .examples = kExamples,
     .add = AddMan,
     .hidden = true,
+    .tells_of_all = true,
 };
 
 }  // namespace slamdb::cli

@@ -7,6 +7,7 @@
 #include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/libraries.h"
 #include "cli/report/align_text.h"
 #include "cli/report/merge_text.h"
 #include "cli/values.h"
@@ -106,6 +107,7 @@ ExitCode MergeAndJoin(std::vector<Atlas> atlases, const MergeOptions& merge, Sid
 }
 
 ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
+  if (options.align) GoOnWithLibraries();
   MergeOptions merge = options.merge;
   merge.names = DistinctNames(options.inputs);
   merge.id_maps = !options.id_map.empty();

@@ -9,6 +9,7 @@
 #include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
+#include "cli/libraries.h"
 #include "cli/report/optimize_text.h"
 #include "cli/values.h"
 #include "slamdb/base/error.h"
@@ -26,6 +27,7 @@ struct OptimizeVerbOptions {
 };
 
 ExitCode RunOptimize(const OptimizeVerbOptions& options, Console& console) {
+  GoOnWithLibraries();
   Notices notices;
   OptimizeOptions optimize = options.optimize;
   for (const std::uint64_t id : options.maps) optimize.maps.emplace_back(id);

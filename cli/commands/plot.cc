@@ -8,6 +8,7 @@
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
 #include "cli/exports.h"
+#include "cli/libraries.h"
 #include "cli/options.h"
 #include "cli/reference.h"
 #include "cli/report/evaluate_text.h"
@@ -67,6 +68,7 @@ PlotReference HoldAgainstReference(const Atlas& atlas, const Format* format, con
 }
 
 ExitCode RunPlot(const PlotVerbOptions& options, Console& console) {
+  GoOnWithLibraries();
   if (!options.with.empty() && !options.kind.empty() && options.kind != NameOf(PlotKind::kTrajectory))
     RefuseUsage("--with is for --kind trajectory, not for " + options.kind);
   const std::string output = OutputOf(options);

@@ -7,6 +7,7 @@
 #include "cli/check_options.h"
 #include "cli/commands/commands.h"
 #include "cli/exports.h"
+#include "cli/libraries.h"
 #include "cli/many.h"
 #include "cli/options.h"
 #include "cli/words.h"
@@ -43,6 +44,7 @@ void Tell(const Reports& reports, const std::string& output, bool json, Console&
 }
 
 ExitCode RunReport(const ReportVerbOptions& options, Console& console) {
+  GoOnWithLibraries();
   if (options.output == "-") RefuseUsage("a report goes to a file or a folder; name it with -o/--output");
   const std::vector<std::string>& named = options.many.inputs.paths;
   const AtlasInputs found = FindInputs(options.many, console, options.wait);

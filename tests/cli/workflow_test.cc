@@ -63,7 +63,7 @@ class Workflow : public ::testing::Test {
 TEST_F(Workflow, InstallsWhatIsThere) {
   const fs::path root = fs::path(SLAMDB_SCHEMAS) / "..";
   EXPECT_THAT(steps_[0], HasSubstr("git clone --depth 1 \"$SLAMDB_SOURCE\" /opt/slamdb\n"));
-  EXPECT_THAT(steps_[0], HasSubstr("\n/opt/slamdb/cmake/build.sh release slamdb_cli\n"));
+  EXPECT_THAT(steps_[0], HasSubstr("\n/opt/slamdb/cmake/build.sh release slamdb_manual\n"));
   EXPECT_TRUE(fs::exists(root / "cmake/build.sh"));
   EXPECT_THAT(ReadWholeFile((root / "CMakePresets.json").string()), HasSubstr("\"release\""));
   EXPECT_EQ(RunProgram({"bash", "-n", "-c", steps_[0]}).exit_code, 0);

@@ -28,6 +28,7 @@ depends() { dpkg-deb -f "$packages/$1"_*.deb Depends; }
 
 holds slamdb bin/slamdb share/man/man1/slamdb.1.gz share/man/man1/slamdb-check.1.gz share/bash-completion/completions/slamdb \
   share/zsh/vendor-completions/_slamdb share/fish/vendor_completions.d/slamdb.fish
+[ ! -e "$build/libexec/slamdb/slamdb" ] || holds slamdb libexec/slamdb/slamdb  # what has Cairo, Ceres and OpenCV
 lacks slamdb 'include|[.]a$|/cmake/|[.]pc$'
 for library in libc6 libstdc++6 libsqlite3-0 zlib1g libmd0; do
   depends slamdb | grep -qF "$library" || fail "slamdb does not depend on $library"

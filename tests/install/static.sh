@@ -8,7 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 cmake/build.sh static slamdb_cli
 static=$PWD/build/static/slamdb
 
-! readelf -lW "$static" | grep -E 'INTERP|DYNAMIC' || fail "it is linked dynamically"
+! readelf -ldW "$static" | grep -E 'INTERP|NEEDED' || fail "it is linked dynamically"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 fixtures=(fixtures/session_small_a/session_small_a.osa fixtures/session_small_b/session_small_b.osa)

@@ -195,11 +195,14 @@ std::optional<PictureQuery> MakeQuery(const PictureFeatures& features) {
 std::vector<std::uint32_t> PointsSeenBy(const KnownMap& known, std::span<const std::uint32_t> views) {
   const MapViews& map = known.views();
   std::vector<std::uint32_t> points;
-  std::unordered_set<std::uint32_t> taken;
+  std::vector<bool> taken(map.points().size(), false);
   for (const std::uint32_t left : views)
     for (std::uint32_t view = left; view <= map.LastViewOf(left) && !known.LeavesOut(left); ++view)
-      for (const Seen& seen : map.SeenBy(view))
-        if (known.DescriptorOf(seen.point) != nullptr && taken.insert(seen.point).second) points.push_back(seen.point);
+      for (const Seen& seen : map.SeenBy(view)) {
+        if (taken[seen.point] || known.DescriptorOf(seen.point) == nullptr) continue;
+        taken[seen.point] = true;
+        points.push_back(seen.point);
+      }
   return points;
 }
 

@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/base/error.h"
+#include "slamdb/checks/detail/observers.h"
 
 namespace slamdb {
 namespace {
@@ -93,7 +94,9 @@ CheckReport CheckAtlas(const Atlas& atlas, const CheckOptions& options) {
   for (const PlannedRule& planned : plan) report.checked.emplace_back(planned.rule->id);
   for (const GateLimit& limit : options.gates) report.checked.push_back(GateRuleId(limit.gate));
   report.statistics = ComputeStatistics(atlas, options.threads);
-  const Subject subject{atlas, index, report.statistics, options};
+  std::vector<detail::Observers> observers;
+  for (std::size_t map = 0; map < atlas.maps.size(); ++map) observers.emplace_back(index, map);
+  const Subject subject{atlas, index, observers, report.statistics, options};
 
   std::vector<Findings> findings(plan.size(), Findings(options.max_findings));
   detail::ParallelFor(plan.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {

@@ -16,12 +16,17 @@
 
 namespace slamdb {
 
+namespace detail {
+class Observers;
+}
+
 struct CheckOptions;
 
 // What a rule looks at. Safe to share between threads.
 struct Subject {
   const Atlas& atlas;
   const AtlasIndex& index;
+  std::span<const detail::Observers> observers;  // by map
   const AtlasStatistics& statistics;
   const CheckOptions& options;
 };

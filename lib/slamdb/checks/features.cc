@@ -79,7 +79,6 @@ struct GridAxis {
 
 // Whether a grid that fits holds each keypoint of the image once, in its cell or, at the border of a cell, next to it.
 bool GridHoldsKeypoints(const FeatureGrid& grid, const Column<Keypoint>& keypoints, const ImageBounds& bounds) {
-  if (IsDerivedGrid(grid, keypoints, bounds)) return true;
   const GridAxis x(bounds.min_x, bounds.inverse_cell_width, bounds.grid_columns);
   const GridAxis y(bounds.min_y, bounds.inverse_cell_height, bounds.grid_rows);
   const auto rows = static_cast<std::size_t>(std::max(bounds.grid_rows, 1));
@@ -183,6 +182,7 @@ void CheckGridIndex(const Subject& subject, Findings& findings) {
 void CheckGridCell(const Subject& subject, Findings& findings) {
   ForEachKeyFrame(subject.atlas, [&](std::size_t, const Map& map, const KeyFrame& keyframe) {
     ForEachGrid(keyframe, [&](const char* side, const Column<Keypoint>& keypoints, const FeatureGrid& grid) {
+      if (IsDerivedGrid(grid, keypoints, keyframe.bounds)) return;
       if (!GridFits(grid, keyframe.bounds) || !GridIndicesFit(grid, keypoints)) return;
       if (!GridHoldsKeypoints(grid, keypoints, keyframe.bounds))
         findings.Add(PlaceOf(map, keyframe), "the ", side, "grid does not hold each keypoint in its cell");
@@ -194,11 +194,10 @@ void CheckGridCell(const Subject& subject, Findings& findings) {
 std::size_t RebuildGrids(Atlas& atlas) {
   std::size_t rebuilt = 0;
   const auto rebuild = [&](FeatureGrid& grid, const Column<Keypoint>& keypoints, const ImageBounds& bounds) {
-    const bool sound = GridFits(grid, bounds) && GridIndicesFit(grid, keypoints);
-    if (sound && GridHoldsKeypoints(grid, keypoints, bounds)) return;
-    FeatureGrid derived = DeriveGrid(keypoints, bounds);
-    if (derived == grid) return;  // the bounds give no grid
-    grid = std::move(derived);
+    if (IsDerivedGrid(grid, keypoints, bounds)) return;
+    const bool fits = GridFits(grid, bounds) && GridIndicesFit(grid, keypoints);
+    if (fits && GridHoldsKeypoints(grid, keypoints, bounds)) return;
+    grid = DeriveGrid(keypoints, bounds);
     ++rebuilt;
   };
   for (Map& map : atlas.maps)

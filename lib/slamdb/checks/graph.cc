@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/observers.h"
 #include "slamdb/checks/detail/visit.h"
 #include "slamdb/model/detail/spanning_tree.h"
 
@@ -77,48 +78,18 @@ std::vector<std::uint32_t> FindCycles(const std::vector<std::uint32_t>& parents)
   return cycles;
 }
 
-// The good points that each keyframe of a map is recorded to observe, and the keyframes that observe each point, as
-// rows one list behind the other.
-struct ObserverTable {
-  std::vector<std::uint64_t> point_begin, keyframe_begin;  // where the lists begin, and the end of the last
-  std::vector<std::uint32_t> observers, points;
-
-  ObserverTable(const AtlasIndex& index, std::size_t map_row) {
-    const Map& map = index.atlas().maps[map_row];
-    std::vector<std::uint64_t> counts(map.keyframes.size() + 1, 0);
-    point_begin.reserve(map.points.size() + 1);
-    for (const MapPoint& point : map.points) {
-      point_begin.push_back(observers.size());
-      if (point.bad) continue;
-      for (const Observation& observation : point.observations) {
-        const std::uint32_t row = index.KeyFrameRow(map_row, observation.keyframe);
-        if (row == kNoRow) continue;
-        observers.push_back(row);
-        ++counts[row];
-      }
-    }
-    point_begin.push_back(observers.size());
-    keyframe_begin.assign(map.keyframes.size() + 1, 0);
-    for (std::size_t row = 0; row < map.keyframes.size(); ++row)
-      keyframe_begin[row + 1] = keyframe_begin[row] + counts[row];
-    points.resize(observers.size());
-    std::vector<std::uint64_t> next = keyframe_begin;
-    for (std::uint32_t point = 0; point < map.points.size(); ++point)
-      for (std::uint64_t i = point_begin[point]; i < point_begin[point + 1]; ++i) points[next[observers[i]]++] = point;
-  }
-
-  // Adds to shared[other], all 0 before, the points that keyframe `row` and `other` both observe, and sets `others` to
-  // those that share any, ascending and without `row` itself.
-  void CountShared(std::uint32_t row, std::vector<std::int32_t>& shared, std::vector<std::uint32_t>& others) const {
-    others.clear();
-    for (std::uint64_t i = keyframe_begin[row]; i < keyframe_begin[row + 1]; ++i)
-      for (std::uint64_t j = point_begin[points[i]]; j < point_begin[points[i] + 1]; ++j)
-        if (shared[observers[j]]++ == 0) others.push_back(observers[j]);
-    std::erase(others, row);
-    shared[row] = 0;
-    std::ranges::sort(others);
-  }
-};
+// Adds to shared[other], all 0 before, the points that keyframe `row` and `other` both observe, and sets `others` to
+// those that share any, ascending and without `row` itself.
+void CountShared(const Observers& observers, std::uint32_t row, std::vector<std::int32_t>& shared,
+                 std::vector<std::uint32_t>& others) {
+  others.clear();
+  for (const Observers::Sight& sight : observers.By(row))
+    for (const std::uint32_t other : observers.Of(sight.point))
+      if (shared[other]++ == 0) others.push_back(other);
+  std::erase(others, row);
+  shared[row] = 0;
+  std::ranges::sort(others);
+}
 
 constexpr std::int32_t kSharedPointsOfEdge = 15;  // from here on UpdateConnections links both ways
 
@@ -259,13 +230,13 @@ void CheckConnectionMutual(const Subject& subject, Findings& findings) {
 void CheckConnectionWeight(const Subject& subject, Findings& findings) {
   for (std::size_t map_row = 0; map_row < subject.atlas.maps.size(); ++map_row) {
     const Map& map = subject.atlas.maps[map_row];
-    const ObserverTable table(subject.index, map_row);
+    const Observers& observers = subject.observers[map_row];
     std::vector<std::int32_t> shared(map.keyframes.size(), 0);
     std::vector<std::uint32_t> others;
     for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) {
       const KeyFrame& keyframe = map.keyframes[row];
       if (keyframe.bad) continue;
-      table.CountShared(row, shared, others);
+      CountShared(observers, row, shared, others);
       for (const Connection& connection : keyframe.connections) {
         const std::uint32_t other = subject.index.KeyFrameRow(map_row, connection.keyframe);
         if (other == kNoRow || other == row) continue;
@@ -304,13 +275,13 @@ std::size_t WeighConnections(Atlas& atlas) {
       return !keyframe.bad && std::ranges::any_of(keyframe.connections, has_no_weight);
     };
     if (std::ranges::none_of(map.keyframes, is_broken)) continue;
-    const ObserverTable table(index, map_row);
+    const Observers observers(index, map_row);
     std::vector<std::int32_t> shared(map.keyframes.size(), 0);
     std::vector<std::uint32_t> others;
     for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) {
       KeyFrame& keyframe = map.keyframes[row];
       if (!is_broken(keyframe)) continue;
-      table.CountShared(row, shared, others);
+      CountShared(observers, row, shared, others);
       for (Connection& connection : keyframe.connections) {
         const std::uint32_t other = index.KeyFrameRow(map_row, connection.keyframe);
         if (!has_no_weight(connection)) continue;

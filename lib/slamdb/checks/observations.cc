@@ -1,30 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Observations: what points and keyframes say about each other.
 #include <algorithm>
+#include <utility>
 
 #include "slamdb/checks/detail/catalogue.h"
+#include "slamdb/checks/detail/observers.h"
 #include "slamdb/checks/detail/visit.h"
-#include "slamdb/model/derive.h"
 
 namespace slamdb::detail {
 namespace {
 
-// What MapPoint::observation_count should be; observers that are missing do not count, as ORB-SLAM3 never counts them.
-std::int64_t CountObservations(const AtlasIndex& index, std::size_t map, const MapPoint& point) {
-  std::int64_t count = 0;
-  for (const Observation& observation : point.observations)
-    if (const KeyFrame* keyframe = index.FindKeyFrame(map, observation.keyframe); keyframe != nullptr)
-      count += ObservationWeight(*keyframe, observation);
-  return count;
-}
-
 template <class Accept>
 void CheckCounts(const Subject& subject, const Accept& accept, Findings& findings) {
-  ForEachPoint(subject.atlas, [&](std::size_t row, const Map& map, const MapPoint& point) {
-    const std::int64_t count = CountObservations(subject.index, row, point);
-    if (!accept(point.observation_count, count))
-      findings.Add(PlaceOf(map, point), "is recorded with ", point.observation_count, " observations, but has ", count);
-  });
+  for (std::size_t row = 0; row < subject.atlas.maps.size(); ++row) {
+    const Map& map = subject.atlas.maps[row];
+    for (std::uint32_t i = 0; i < map.points.size(); ++i) {
+      const MapPoint& point = map.points[i];
+      const std::int64_t count = subject.observers[row].CountOf(i);
+      if (!point.bad && !accept(point.observation_count, count))
+        findings.Add(PlaceOf(map, point), "is recorded with ", point.observation_count, " observations, but has ",
+                     count);
+    }
+  }
 }
 
 // Points have few observations, so a plain search is the fastest.
@@ -53,6 +50,56 @@ void ObserveBySlots(const KeyFrame& keyframe, const IdTable& points, const std::
     if (observations.empty() || observations.back().keyframe != keyframe.id) observations.push_back({keyframe.id});
     std::int32_t& side = slot < LeftRows(features) ? observations.back().left : observations.back().right;
     if (side < 0) side = slot;
+  }
+}
+
+// By row: the points of which a slot that an observation names holds another one, or none.
+std::vector<std::uint8_t> FindMisplaced(const Map& map, const Observers& observers) {
+  std::vector<std::uint8_t> is_misplaced(map.points.size(), 0);
+  for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) {
+    const Features& features = map.keyframes[row].features;
+    for (const Observers::Sight& sight : observers.By(row)) {
+      const Observation observation{map.keyframes[row].id, sight.left, sight.right};
+      const MapPointId id = observers.IdOf(sight.point);
+      if ((LeftRowFits(features, observation) && SlotPoint(features, sight.left) != id) ||
+          (RightRowFits(features, observation) && SlotPoint(features, sight.right) != id))
+        is_misplaced[sight.point] = 1;
+    }
+  }
+  return is_misplaced;
+}
+
+// Sets is_recorded[slot] of slots whose points record them; not of all, where ids repeat.
+void MarkRecorded(const Subject& subject, std::size_t map_row, const KeyFrame& keyframe,
+                  std::vector<std::uint8_t>& is_recorded) {
+  const Map& map = subject.atlas.maps[map_row];
+  is_recorded.assign(keyframe.features.map_points.size(), 0);
+  if (subject.index.FindKeyFrame(map_row, keyframe.id) != &keyframe) return;
+  if (!subject.index.duplicate_points().empty()) return;
+  const Observers& observers = subject.observers[map_row];
+  std::uint32_t before = kNoRow;
+  for (const Observers::Sight& sight : observers.By(static_cast<std::uint32_t>(&keyframe - map.keyframes.data()))) {
+    if (std::exchange(before, sight.point) == sight.point) continue;  // of several the first counts
+    for (const std::int32_t slot : {sight.left, sight.right})
+      if (slot >= 0 && SlotPoint(keyframe.features, slot) == observers.IdOf(sight.point))
+        is_recorded[static_cast<std::size_t>(slot)] = 1;
+  }
+}
+
+// What the slots that a point's observations name hold instead of it.
+void ReportSlots(const Subject& subject, std::size_t map_row, const MapPoint& point, Findings& findings) {
+  const Map& map = subject.atlas.maps[map_row];
+  for (const Observation& observation : point.observations) {
+    const KeyFrame* keyframe = subject.index.FindKeyFrame(map_row, observation.keyframe);
+    if (keyframe == nullptr) continue;
+    const auto report = [&](std::int32_t row) {
+      const MapPointId held = SlotPoint(keyframe->features, row);
+      if (held == point.id) return;
+      findings.Add(PlaceOf(map, point), "is keypoint ", row, " of ", keyframe->id, ", whose slot ",
+                   [&] { return held ? "holds " + ToString(held) : std::string("is empty"); });
+    };
+    if (LeftRowFits(keyframe->features, observation)) report(observation.left);
+    if (RightRowFits(keyframe->features, observation)) report(observation.right);
   }
 }
 
@@ -225,34 +272,35 @@ void CheckObservationCountExcess(const Subject& subject, Findings& findings) {
 std::size_t RecountObservations(Atlas& atlas) {
   const AtlasIndex index(atlas);
   std::size_t changed = 0;
-  for (std::size_t row = 0; row < atlas.maps.size(); ++row)
-    for (MapPoint& point : atlas.maps[row].points) {
-      const auto count = static_cast<std::int32_t>(CountObservations(index, row, point));
+  for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
+    const Observers observers(index, row);
+    for (std::uint32_t i = 0; i < atlas.maps[row].points.size(); ++i) {
+      MapPoint& point = atlas.maps[row].points[i];
+      const auto count = static_cast<std::int32_t>(observers.CountOf(i));
       if (point.bad || point.observation_count == count) continue;
       point.observation_count = count;
       ++changed;
     }
+  }
   return changed;
 }
 
 void CheckObservationSlot(const Subject& subject, Findings& findings) {
-  ForEachObservation(subject, [&](std::size_t, const Map& map, const MapPoint& point, const Observation& observation,
-                                  const KeyFrame& keyframe) {
-    const auto report = [&](std::int32_t row) {
-      const MapPointId held = SlotPoint(keyframe.features, row);
-      if (held == point.id) return;
-      findings.Add(PlaceOf(map, point), "is keypoint ", row, " of ", keyframe.id, ", whose slot ",
-                   [&] { return held ? "holds " + ToString(held) : std::string("is empty"); });
-    };
-    if (LeftRowFits(keyframe.features, observation)) report(observation.left);
-    if (RightRowFits(keyframe.features, observation)) report(observation.right);
-  });
+  for (std::size_t map_row = 0; map_row < subject.atlas.maps.size(); ++map_row) {
+    const Map& map = subject.atlas.maps[map_row];
+    const std::vector<std::uint8_t> is_misplaced = FindMisplaced(map, subject.observers[map_row]);
+    for (std::size_t row = 0; row < map.points.size(); ++row)
+      if (is_misplaced[row]) ReportSlots(subject, map_row, map.points[row], findings);
+  }
 }
 
 void CheckSlotObserved(const Subject& subject, Findings& findings) {
+  std::vector<std::uint8_t> is_recorded;
   ForEachKeyFrame(subject.atlas, [&](std::size_t row, const Map& map, const KeyFrame& keyframe) {
     const Column<MapPointId>& slots = keyframe.features.map_points;
+    MarkRecorded(subject, row, keyframe, is_recorded);
     for (std::size_t slot = 0; slot < slots.size(); ++slot) {
+      if (is_recorded[slot]) continue;
       const MapPoint* point = slots[slot] ? subject.index.FindPoint(row, slots[slot]) : nullptr;
       if (point == nullptr || point->bad) continue;
       const Observation* observation = FindObservation(*point, keyframe.id);

@@ -2,8 +2,11 @@
 #include "slamdb/many/each.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <mutex>
+#include <numeric>
 #include <string_view>
+#include <system_error>
 
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/formats.h"
@@ -47,6 +50,20 @@ void ForEachRow(std::size_t count, const ReadOptions& read,
       done.Tell(1);
     }
   });
+}
+
+std::vector<std::uint8_t> FindLarge(std::span<const AtlasInput> inputs, int threads) {
+  std::vector<std::uintmax_t> bytes;
+  for (const AtlasInput& input : inputs) {
+    std::error_code failed;  // of what is no file: it is found out by reading
+    const std::uintmax_t size = std::filesystem::file_size(input.location.path, failed);
+    bytes.push_back(failed || !input.location.name.empty() || input.atlas ? 0 : size);
+  }
+  const auto share = std::accumulate(bytes.begin(), bytes.end(), std::uintmax_t{0}) /
+                     static_cast<std::uintmax_t>(detail::ThreadCount(threads));
+  std::vector<std::uint8_t> is_large;
+  for (const std::uintmax_t each : bytes) is_large.push_back(each > share ? 1 : 0);
+  return is_large;
 }
 
 std::shared_ptr<const Atlas> AtlasOf(const AtlasInput& input, ReadOptions read, Notices& notices) {

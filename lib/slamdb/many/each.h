@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <new>
@@ -35,13 +36,19 @@ struct Outcome {
 SLAMDB_EXPORT void ForEachRow(std::size_t count, const ReadOptions& read,
                               const std::function<void(std::size_t row, const ReadOptions& read)>& work);
 
-// Calls work(input, read options, notices) for every input; what it gives, or the Error that it throws, is its outcome.
-// Outcomes are in the order of the inputs.
+// By input: whether its file is more than the share of one of `threads` threads (0: every core) in all bytes, so that
+// the others would wait for that one.
+SLAMDB_EXPORT std::vector<std::uint8_t> FindLarge(std::span<const AtlasInput> inputs, int threads);
+
+// Calls work(input, read options, notices) for every input, several at a time; a large one has all threads; what it
+// gives, or the Error that it throws, is its outcome. Outcomes are in the order of the inputs.
 template <class Result, class Work>
 std::vector<Outcome<Result>> ForEachInput(std::span<const AtlasInput> inputs, const ReadOptions& read,
                                           const Work& work) {
   std::vector<Outcome<Result>> outcomes(inputs.size());
-  ForEachRow(inputs.size(), read, [&](std::size_t row, const ReadOptions& own) {
+  const std::vector<std::uint8_t> is_large = FindLarge(inputs, read.threads);
+  ForEachRow(inputs.size(), read, [&](std::size_t row, ReadOptions own) {
+    if (is_large[row]) own.threads = read.threads;
     const AtlasInput& input = inputs[row];
     Outcome<Result>& outcome = outcomes[row];
     outcome.path = input.location.ToString();

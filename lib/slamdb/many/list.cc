@@ -48,7 +48,7 @@ bool IsStored(const AtlasInput& input) { return input.failure.empty() && !input.
 Stores ReadStores(const AtlasInputs& inputs, const ListOptions& options) {
   Stores stores;
   for (const AtlasInput& input : inputs.atlases)
-    if (IsStored(input) && HoldsNamedAtlases(input.location.path) && !stores.contains(input.location.path))
+    if (IsStored(input) && !stores.contains(input.location.path) && HoldsNamedAtlases(input.location.path))
       stores.emplace(input.location.path, ReadStore(input.location.path, options));
   return stores;
 }

@@ -244,29 +244,9 @@ FeatureGrid DeriveGrid(const Column<Keypoint>& keypoints, const ImageBounds& bou
   return grid;
 }
 
-// A keypoint has one cell, so a grid is the derived one when every entry stands in the cell of its keypoint, in
-// ascending order within the cell, and there are as many entries as keypoints inside the image.
 bool IsDerivedGrid(const FeatureGrid& grid, const Column<Keypoint>& keypoints, const ImageBounds& bounds) {
-  const auto cells = static_cast<std::size_t>(CellCount(bounds));
-  if (cells == 0) return grid == FeatureGrid();
-  if (grid.column_sizes.size() != static_cast<std::size_t>(bounds.grid_columns) || grid.cell_sizes.size() != cells)
-    return false;
-  const auto rows = static_cast<std::uint32_t>(bounds.grid_rows);
-  for (const std::uint32_t size : grid.column_sizes)
-    if (size != rows) return false;
-  std::size_t entry = 0;
-  for (std::size_t cell = 0; cell < cells; ++cell) {
-    if (grid.cell_sizes[cell] > grid.keypoints.size() - entry) return false;
-    for (const std::size_t begin = entry, end = entry + grid.cell_sizes[cell]; entry < end; ++entry) {
-      const std::uint64_t row = grid.keypoints[entry];
-      if (row >= keypoints.size() || (entry > begin && row <= grid.keypoints[entry - 1])) return false;
-      if (CellOf(keypoints[row], bounds) != static_cast<std::int64_t>(cell)) return false;
-    }
-  }
-  if (entry != grid.keypoints.size()) return false;
-  const auto inside = std::count_if(keypoints.begin(), keypoints.end(),
-                                    [&](const Keypoint& keypoint) { return CellOf(keypoint, bounds) >= 0; });
-  return static_cast<std::size_t>(inside) == entry;
+  if (grid.cell_sizes.size() != static_cast<std::size_t>(CellCount(bounds))) return false;
+  return grid == DeriveGrid(keypoints, bounds);
 }
 
 ScalePyramid DerivePyramid(std::int32_t levels, float factor) {

@@ -79,7 +79,7 @@ SLAMDB_EXPORT std::size_t MostDistinctiveDescriptor(const std::vector<Descriptor
 // Keypoints outside the image are in none.
 SLAMDB_EXPORT FeatureGrid DeriveGrid(const Column<Keypoint>& keypoints, const ImageBounds& bounds);
 
-// True when `grid` is what DeriveGrid would make, found without making it twice as large in memory.
+// True when `grid` is what DeriveGrid would make. What is made to tell is no larger than the grid.
 SLAMDB_EXPORT bool IsDerivedGrid(const FeatureGrid& grid, const Column<Keypoint>& keypoints, const ImageBounds& bounds);
 
 // factor^level by repeated multiplication in float, as ORB-SLAM3 fills its tables.

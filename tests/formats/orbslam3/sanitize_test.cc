@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/synthetic/synthesize.h"
 
@@ -85,6 +87,31 @@ TEST(SanitizeForOrbslam3, MakesFlagsZeroOrOne) {
   atlas.maps[0].keyframes[2].not_erase.recorded = 0xCD;
   EXPECT_THAT(detail::SanitizeForOrbslam3(atlas), ElementsAre(HasSubstr("1 flag neither")));
   EXPECT_EQ(atlas.maps[0].keyframes[2].not_erase.recorded, 1);
+}
+
+// What is said of an atlas that is written as text.
+std::vector<Notice> NoticesOfText(Atlas atlas, bool sanitize) {
+  atlas.encoding.text = true;
+  WriteOptions options;
+  options.of<Orbslam3WriteOptions>().sanitize = sanitize;
+  Notices notices;
+  WriteOrbslam3(atlas, Target([](Bytes) {}, "atlas.osa"), options, notices);
+  return notices.items();
+}
+
+// Boost does not read them back. Names are not numbers.
+TEST(WriteOrbslam3, WarnsOfTextWithNanAndInfinity) {
+  Atlas atlas = Sound();
+  detail::SanitizeForOrbslam3(atlas);
+  atlas.vocabulary.name = "info nan inf.txt";
+  EXPECT_THAT(NoticesOfText(atlas, /*sanitize=*/false), IsEmpty());
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
+    atlas.maps[0].keyframes.back().merge_scale = value;
+    EXPECT_THAT(NoticesOfText(atlas, /*sanitize=*/false),
+                ElementsAre(testing::Field(&Notice::text, HasSubstr("the text holds nan or inf"))));
+    EXPECT_THAT(NoticesOfText(atlas, /*sanitize=*/true),
+                ElementsAre(testing::Field(&Notice::text, HasSubstr("uninitialised merge scale"))));
+  }
 }
 
 }  // namespace

@@ -140,13 +140,26 @@ void Replay(Files files, const std::vector<DiskEvent>& events,
       return event.file == file;
     });
   };
+  // What syncing their folder does. Of a file that was made anew since, what was written then stays pending.
+  const auto make_deletions_durable = [&] {
+    for (auto event = pending.begin(); event != pending.end();) {
+      if (event->kind != DiskEvent::Kind::kDelete) {
+        ++event;
+        continue;
+      }
+      const std::string file = event->file;
+      files.erase(file);
+      const auto rest = std::remove_if(pending.begin(), event + 1, [&](const DiskEvent& e) { return e.file == file; });
+      event = pending.erase(rest, event + 1);
+    }
+  };
   for (const DiskEvent& event : events) {
     if (event.kind == DiskEvent::Kind::kSync) {
       at_cut(files, pending);
       make_durable(event.file);
     } else {
       pending.push_back(event);
-      if (event.durable) make_durable(event.file);
+      if (event.durable) make_deletions_durable();
     }
   }
   at_cut(files, pending);

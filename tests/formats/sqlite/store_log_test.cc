@@ -22,9 +22,10 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Saves, and ends before anything goes from the log to the file.
+// Saves, and ends before anything goes from the log to the file. There is one because another has the store open.
 void SaveAndDie(const std::string& path) {
   Store store = Store::OpenForWriting(path, {.sync = false});
+  const Store other = Store::OpenForWriting(path, {.sync = false});
   store.Save("lab", SoundAtlas());
   ::_exit(7);
 }

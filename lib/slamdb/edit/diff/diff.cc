@@ -252,20 +252,27 @@ class Comparison {
   MapMotion MotionOf(std::uint32_t map) const {
     MapMotion motion{.before = before_.atlas().maps[map].id,
                      .after = after_.atlas().maps[pairing_.maps.AfterOf(map)].id};
-    Places places;
-    MoveKeyFrames(map, places, motion);
-    MovePoints(map, places, motion);
-    if (motion.moved()) FitWhole(places, motion);
+    MoveKeyFrames(map, motion);
+    MovePoints(map, motion);
+    if (motion.moved()) FitWhole(PlacesOf(map), motion);
     return motion;
   }
 
-  void MoveKeyFrames(std::uint32_t map, Places& places, MapMotion& motion) const {
+  Places PlacesOf(std::uint32_t map) const {
+    Places places;
+    for (std::uint32_t n = before_.FirstKeyFrame(map); n < before_.FirstKeyFrame(map + 1); ++n)
+      if (const std::uint32_t partner = pairing_.keyframes.AfterOf(n); partner != kNoRow)
+        places.Add(CameraCenter(*before_.keyframes[n]), CameraCenter(*after_.keyframes[partner]));
+    for (std::uint32_t n = before_.FirstPoint(map); n < before_.FirstPoint(map + 1); ++n)
+      if (const std::uint32_t partner = pairing_.points.AfterOf(n); partner != kNoRow)
+        places.Add(before_.points[n]->position, after_.points[partner]->position);
+    return places;
+  }
+
+  void MoveKeyFrames(std::uint32_t map, MapMotion& motion) const {
     std::vector<double> distances, degrees;
     for (std::uint32_t n = before_.FirstKeyFrame(map); n < before_.FirstKeyFrame(map + 1); ++n) {
-      const std::uint32_t partner = pairing_.keyframes.AfterOf(n);
-      if (partner == kNoRow) continue;
-      places.Add(CameraCenter(*before_.keyframes[n]), CameraCenter(*after_.keyframes[partner]));
-      if (!keyframes_[n].Has(detail::kPose)) continue;
+      if (!keyframes_[n].Has(detail::kPose)) continue;  // or it has no partner
       distances.push_back(keyframes_[n].distance);
       degrees.push_back(keyframes_[n].degrees);
     }
@@ -274,14 +281,10 @@ class Comparison {
     motion.keyframe_degrees = DistributionOf(std::move(degrees));
   }
 
-  void MovePoints(std::uint32_t map, Places& places, MapMotion& motion) const {
+  void MovePoints(std::uint32_t map, MapMotion& motion) const {
     std::vector<double> distances;
-    for (std::uint32_t n = before_.FirstPoint(map); n < before_.FirstPoint(map + 1); ++n) {
-      const std::uint32_t partner = pairing_.points.AfterOf(n);
-      if (partner == kNoRow) continue;
-      places.Add(before_.points[n]->position, after_.points[partner]->position);
+    for (std::uint32_t n = before_.FirstPoint(map); n < before_.FirstPoint(map + 1); ++n)
       if (points_[n].Has(detail::kPosition)) distances.push_back(points_[n].distance);
-    }
     motion.points = distances.size();
     motion.point_distance = DistributionOf(std::move(distances));
   }

@@ -35,20 +35,22 @@ std::uint64_t TimeKey(const KeyFrame& keyframe) { return std::bit_cast<std::uint
 
 // What keyframes are told by; kNoKey where there is nothing.
 struct KeyFrameKeys {
-  std::vector<std::uint64_t> descriptors, keypoints;
+  std::vector<std::uint64_t> descriptors;
   bool any_descriptors = false;
 };
 
+std::uint64_t KeypointsKey(const KeyFrame& keyframe) {
+  const Column<Keypoint>& keypoints = keyframe.features.keypoints;
+  return keypoints.empty() ? Pairing::kNoKey : Mixed(HashOf(keypoints), TimeKey(keyframe));
+}
+
 KeyFrameKeys KeysOf(const NumberedAtlas& atlas, int threads) {
   const std::size_t count = atlas.keyframes.size();
-  KeyFrameKeys keys{.descriptors = std::vector<std::uint64_t>(count, Pairing::kNoKey),
-                    .keypoints = std::vector<std::uint64_t>(count, Pairing::kNoKey)};
+  KeyFrameKeys keys{.descriptors = std::vector<std::uint64_t>(count, Pairing::kNoKey)};
   ParallelFor(count, kPerBlock, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const Features& features = atlas.keyframes[n]->features;
       if (!features.descriptors.empty()) keys.descriptors[n] = Mixed(HashOf(features.descriptors), 0);
-      if (!features.keypoints.empty())
-        keys.keypoints[n] = Mixed(HashOf(features.keypoints), TimeKey(*atlas.keyframes[n]));
     }
   });
   keys.any_descriptors =
@@ -120,7 +122,7 @@ Pairing PairKeyFrames(const NumberedAtlas& before, const NumberedAtlas& after, i
   join(time_and_id, lost_features);
   join(look);
   join([](const KeyFrame&, const KeyFrameKeys& keys, std::uint32_t n) { return keys.descriptors[n]; });
-  join([](const KeyFrame&, const KeyFrameKeys& keys, std::uint32_t n) { return keys.keypoints[n]; });
+  join([](const KeyFrame& keyframe, const KeyFrameKeys&, std::uint32_t) { return KeypointsKey(keyframe); });
   join(time, lost_features);
   if (before_keys.any_descriptors && after_keys.any_descriptors) return pairing;
   // A format without descriptors: only times are left. Sessions that began at the same second must not mix otherwise.

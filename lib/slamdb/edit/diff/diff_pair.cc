@@ -11,6 +11,7 @@ namespace {
 struct Link {
   std::uint64_t target;
   std::uint64_t value;
+  friend bool operator==(const Link&, const Link&) = default;
 };
 // Walks of fields.h as values.
 constexpr auto kCameraFields = [](const auto& visit) { fields::ForEachCameraField(visit); };
@@ -25,10 +26,11 @@ constexpr std::uint64_t kOnlyBefore = std::uint64_t{1} << 62;  // its target has
 constexpr std::uint64_t kDangling = std::uint64_t{1} << 63;    // the target is in neither; the id is all there is
 
 LinkCounts CompareLinks(std::vector<Link>& before, std::vector<Link>& after) {
+  LinkCounts counts;
+  if (before == after) return counts;
   const auto by_target = [](const Link& a, const Link& b) { return a.target < b.target; };
   std::ranges::stable_sort(before, by_target);
   std::ranges::stable_sort(after, by_target);
-  LinkCounts counts;
   auto a = before.begin(), b = after.begin();
   while (a != before.end() && b != after.end()) {
     if (a->target != b->target) {
@@ -194,7 +196,9 @@ void PairComparison::CompareFirst(std::uint32_t n, std::uint32_t partner, PairDi
 
 void PairComparison::CompareObservations(std::uint32_t n, std::uint32_t partner, LinkCounts& observations) const {
   const std::uint32_t map_a = before_.map_of_point[n], map_b = after_.map_of_point[partner];
-  std::vector<Link> first, second;
+  thread_local std::vector<Link> first, second;  // for their memory: there are many points, with few observations each
+  first.clear();
+  second.clear();
   for (const Observation& each : before_.points[n]->observations) {
     const std::uint32_t keyframe = before_.FindKeyFrame(map_a, each.keyframe);
     const auto row = [&](std::int32_t own) { return keyframe == kNoRow ? own : pairing_.rows.AfterOf(keyframe, own); };

@@ -13,7 +13,7 @@
 #include "slamdb/edit/part/detail/cull_keyframes.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/reprojection.h"
-#include "slamdb/model/statistics.h"
+#include "slamdb/model/sensor.h"
 
 namespace slamdb {
 namespace {
@@ -40,11 +40,23 @@ void RequireSense(const CullOptions& options) {
   require(!options.unseen_since || std::isfinite(*options.unseen_since), "the time since when must be finite");
 }
 
+// What rules ask of a map as a whole.
+struct MapTraits {
+  MapSensor sensor;
+  bool has_imu;
+  std::uint64_t largest_keyframe_id = 0;
+
+  explicit MapTraits(const Map& map) : sensor(SensorOf(map)), has_imu(HasImu(map)) {
+    for (const KeyFrame& keyframe : map.keyframes)
+      largest_keyframe_id = std::max(largest_keyframe_id, keyframe.id.value());
+  }
+};
+
 // The smallest int: every number is enough, also a damaged one below 0.
-int FewestObservations(const MapStatistics& statistics, const CullOptions& options) {
+int FewestObservations(const MapTraits& traits, const CullOptions& options) {
   if (!options.min_observations) return std::numeric_limits<int>::min();
   if (const int* asked = std::get_if<int>(&*options.min_observations)) return *asked;
-  return statistics.sensor == MapSensor::kMonocular ? kFewForMonocular : kFewForDepth;
+  return traits.sensor == MapSensor::kMonocular ? kFewForMonocular : kFewForDepth;
 }
 
 // The last keyframe whose points are no longer young. Ids may be anything.
@@ -56,14 +68,14 @@ std::int64_t LastProven(std::uint64_t newest) {
 // Judges the points of one map. Const, for many threads.
 class PointRules {
  public:
-  PointRules(const AtlasIndex& index, std::size_t map_row, const MapStatistics& statistics, const CullOptions& options)
+  PointRules(const AtlasIndex& index, std::size_t map_row, const MapTraits& traits, const CullOptions& options)
       : index_(index),
         row_(map_row),
         map_(index.atlas().maps[map_row]),
         options_(options),
         reprojection_(index.atlas(), map_),
-        last_proven_(LastProven(statistics.largest_keyframe_id)),
-        min_observations_(FewestObservations(statistics, options)) {}
+        last_proven_(LastProven(traits.largest_keyframe_id)),
+        min_observations_(FewestObservations(traits, options)) {}
 
   Verdict Judge(const MapPoint& point) const {
     if (point.bad) return Verdict::kBad;
@@ -138,10 +150,10 @@ class PointRules {
   const int min_observations_;
 };
 
-void CullPoints(const AtlasIndex& index, std::size_t map_row, const MapStatistics& statistics,
-                const CullOptions& options, Subset::MapRows& rows, CullReport& report) {
+void CullPoints(const AtlasIndex& index, std::size_t map_row, const MapTraits& traits, const CullOptions& options,
+                Subset::MapRows& rows, CullReport& report) {
   const Map& map = index.atlas().maps[map_row];
-  const PointRules rules(index, map_row, statistics, options);
+  const PointRules rules(index, map_row, traits, options);
   std::vector<Verdict> verdicts(map.points.size(), Verdict::kStays);
   detail::ParallelFor(map.points.size(), kGrain, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)
@@ -157,10 +169,10 @@ void CullPoints(const AtlasIndex& index, std::size_t map_row, const MapStatistic
   }
 }
 
-double RedundancyOf(const MapStatistics& statistics, const OrOfSensor<double>& asked) {
+double RedundancyOf(const MapTraits& traits, const OrOfSensor<double>& asked) {
   if (const double* share = std::get_if<double>(&asked)) return *share;
-  const bool has_depth = statistics.sensor != MapSensor::kMonocular;
-  return statistics.has_imu && has_depth ? kRedundancyWithImuAndDepth : kRedundancy;
+  const bool has_depth = traits.sensor != MapSensor::kMonocular;
+  return traits.has_imu && has_depth ? kRedundancyWithImuAndDepth : kRedundancy;
 }
 
 std::uint64_t CountPoints(const Subset& subset) {
@@ -176,24 +188,23 @@ CullReport Cull(Atlas& atlas, const CullOptions& options) {
   RequireSense(options);
   CullReport report;
   const AtlasIndex index(atlas);
-  const AtlasStatistics statistics = ComputeStatistics(atlas, options.threads);
   Subset kept = Subset::Everything(atlas);
   detail::Steps steps(options.progress, "culling", atlas.maps.size());
   for (std::size_t row = 0; row < atlas.maps.size(); ++row) {
-    CullPoints(index, row, statistics.maps[row], options, kept.maps[row], report);
+    const MapTraits traits(atlas.maps[row]);
+    CullPoints(index, row, traits, options, kept.maps[row], report);
     if (options.redundancy)
-      report.redundant_keyframes +=
-          detail::CullKeyFrames(index, row,
-                                {.share = RedundancyOf(statistics.maps[row], *options.redundancy),
-                                 .observers = options.redundant_observers,
-                                 .depth_counts = statistics.maps[row].sensor != MapSensor::kMonocular},
-                                kept.maps[row]);
+      report.redundant_keyframes += detail::CullKeyFrames(index, row,
+                                                          {.share = RedundancyOf(traits, *options.redundancy),
+                                                           .observers = options.redundant_observers,
+                                                           .depth_counts = traits.sensor != MapSensor::kMonocular},
+                                                          kept.maps[row]);
     steps.Next();
   }
   SettleBorder(index, Border::kSmart, kept, options.threads);
   const std::uint64_t by_rules =
       report.bad_points + report.few_observations + report.large_errors + report.small_parallax + report.unseen;
-  report.unheld = statistics.points - by_rules - CountPoints(kept);
+  report.unheld = CountEntities(atlas).points - by_rules - CountPoints(kept);
   report.coverage = MeasureCoverage(index, kept);
   report.removed = KeepSubset(atlas, kept, options.threads);
   return report;

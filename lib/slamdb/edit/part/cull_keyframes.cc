@@ -17,6 +17,8 @@ constexpr std::size_t kKeyFramesOfWindow = 21;             // the newest ones, w
 constexpr double kLongestGap = 3, kLongestGapOfNew = 0.5;  // seconds
 constexpr float kStandingStill = 0.02F;                    // metres
 
+constexpr std::size_t kFetchedAhead = 8;  // points
+
 class KeyFrameCulling {
  public:
   KeyFrameCulling(const AtlasIndex& index, std::size_t map_row, const RedundancyRule& rule, Subset::MapRows& rows)
@@ -39,12 +41,29 @@ class KeyFrameCulling {
   }
 
  private:
+  // What an observation names lies all over memory: it is fetched while points before it are counted.
   void CountObservations() {
     weights_.assign(map_.points.size(), 0);
-    for (std::size_t row = 0; row < map_.points.size(); ++row)
-      for (const Observation& observation : map_.points[row].observations)
-        if (const KeyFrame* keyframe = index_.FindKeyFrame(map_row_, observation.keyframe); keyframe != nullptr)
-          weights_[row] += ObservationWeight(*keyframe, observation);
+    begins_.push_back(0);
+    for (std::size_t row = 0; row < map_.points.size(); ++row) {
+      if (row + kFetchedAhead < map_.points.size()) Fetch(map_.points[row + kFetchedAhead]);
+      for (const Observation& observation : map_.points[row].observations) {
+        const std::uint32_t observer = index_.KeyFrameRow(map_row_, observation.keyframe);
+        if (observer == kNoRow) continue;
+        const KeyFrame& keyframe = map_.keyframes[observer];
+        weights_[row] += ObservationWeight(keyframe, observation);
+        seers_.push_back({observer, FinestOctave(keyframe, observation)});
+      }
+      begins_.push_back(seers_.size());
+    }
+  }
+
+  void Fetch(const MapPoint& point) const {
+    for (const Observation& observation : point.observations)
+      if (const KeyFrame* keyframe = index_.FindKeyFrame(map_row_, observation.keyframe); keyframe != nullptr)
+        for (const std::int32_t row : {observation.left, observation.right})
+          if (const Keypoint* keypoint = ObservedKeypoint(*keyframe, row); keypoint != nullptr)
+            __builtin_prefetch(&keypoint->octave);
   }
 
   void LinkInTime() {
@@ -89,7 +108,7 @@ class KeyFrameCulling {
       const std::uint32_t point = index_.PointRow(map_row_, features.map_points[slot]);
       if (point == kNoRow || !rows_.points[point] || !IsClose(keyframe, slot)) continue;
       ++points;
-      if (IsSeenByOthers(map_.points[point], keyframe, static_cast<std::int32_t>(slot))) ++redundant;
+      if (IsSeenByOthers(point, row, static_cast<std::int32_t>(slot))) ++redundant;
     }
     return points > 0 && static_cast<double>(redundant) > rule_.share * static_cast<double>(points);
   }
@@ -101,13 +120,12 @@ class KeyFrameCulling {
     return depth[slot] >= 0 && depth[slot] <= keyframe.intrinsics.depth_threshold;
   }
 
-  bool IsSeenByOthers(const MapPoint& point, const KeyFrame& keyframe, std::int32_t slot) const {
-    const std::int32_t coarsest = OctaveOf(keyframe, slot) + 1;
+  bool IsSeenByOthers(std::uint32_t point, std::uint32_t row, std::int32_t slot) const {
+    const std::int32_t coarsest = OctaveOf(map_.keyframes[row], slot) + 1;
     int others = 0;
-    for (const Observation& observation : point.observations) {
-      const std::uint32_t other = index_.KeyFrameRow(map_row_, observation.keyframe);
-      if (other == kNoRow || !rows_.keyframes[other] || &map_.keyframes[other] == &keyframe) continue;
-      if (FinestOctave(map_.keyframes[other], observation) > coarsest) continue;
+    for (std::size_t i = begins_[point]; i < begins_[point + 1]; ++i) {
+      const Seer& other = seers_[i];
+      if (!rows_.keyframes[other.keyframe] || other.keyframe == row || other.octave > coarsest) continue;
       if (++others >= rule_.observers) return true;
     }
     return false;
@@ -141,12 +159,20 @@ class KeyFrameCulling {
     if (next_[row] != kNoRow) previous_[next_[row]] = previous_[row];
   }
 
+  // Of a point: row of a keyframe, and the finest octave at which it sees the point.
+  struct Seer {
+    std::uint32_t keyframe;
+    std::int32_t octave;
+  };
+
   const AtlasIndex& index_;
   const std::size_t map_row_;
   const Map& map_;
   const RedundancyRule& rule_;
   Subset::MapRows& rows_;
-  std::vector<std::int32_t> weights_;           // observations of each point by keyframes that stay
+  std::vector<std::int32_t> weights_;  // observations of each point by keyframes that stay
+  std::vector<std::size_t> begins_;    // by point: of its seers
+  std::vector<Seer> seers_;
   std::vector<std::uint32_t> previous_, next_;  // rows in time, in maps with IMU
   KeyFrameId newest_, window_begin_;
 };

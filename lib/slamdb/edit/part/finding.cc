@@ -2,7 +2,8 @@
 #include "slamdb/edit/part/detail/finding.h"
 
 #include <algorithm>
-#include <unordered_map>
+#include <numeric>
+#include <utility>
 
 #include "slamdb/base/detail/parallel.h"
 
@@ -21,16 +22,71 @@ bool IsTried(std::uint32_t words, std::uint32_t most) {
   return most == 0 || words > static_cast<std::uint32_t>(kWordShare * static_cast<float>(most));
 }
 
-using Lists = std::unordered_map<std::uint32_t, std::vector<std::uint32_t>>;
+// Which keyframes of one map have a word. Words go by numbers in the order in which they come.
+class WordLists {
+ public:
+  // Of the keyframes [first, end) that remain.
+  WordLists(const Remains& remains, std::uint32_t first, std::uint32_t end) : first_(first) {
+    NumberWords(remains, end);
+    std::partial_sum(lists_.begin(), lists_.end(), lists_.begin());
+    keyframes_.resize(numbers_.size());
+    std::vector<std::size_t> next(lists_.begin(), lists_.end());
+    for (std::uint32_t keyframe = first; keyframe < end; ++keyframe)
+      for (const std::uint32_t number : WordsOf(keyframe)) keyframes_[next[number]++] = keyframe;
+  }
 
-// word -> keyframes that have it, map by map.
-std::vector<Lists> ListWords(const Remains& remains) {
-  const Sights& sights = remains.sights();
-  std::vector<Lists> lists(sights.atlas().maps.size());
-  for (std::uint32_t keyframe = 0; keyframe < sights.keyframes(); ++keyframe)
-    if (remains.Keeps(keyframe))
-      for (const std::uint32_t word : sights.KeyFrameOf(keyframe).features.bag_of_words.words)
-        lists[sights.RowOf(keyframe).map][word].push_back(keyframe);
+  std::span<const std::uint32_t> WordsOf(std::uint32_t keyframe) const {
+    return {numbers_.data() + begins_[keyframe - first_], numbers_.data() + begins_[keyframe - first_ + 1]};
+  }
+  // Ascending.
+  std::span<const std::uint32_t> KeyFramesWith(std::uint32_t number) const {
+    return {keyframes_.data() + lists_[number], keyframes_.data() + lists_[number + 1]};
+  }
+
+ private:
+  void NumberWords(const Remains& remains, std::uint32_t end) {
+    std::uint32_t lowest = ~std::uint32_t{0}, highest = 0;
+    std::size_t count = 0;
+    for (std::uint32_t keyframe = first_; keyframe < end; ++keyframe)
+      for (const std::uint32_t word : WordsIn(remains, keyframe)) {
+        lowest = std::min(lowest, word);
+        highest = std::max(highest, word);
+        ++count;
+      }
+    IdTable number_of = count == 0 ? IdTable() : IdTable(lowest, highest, count);
+    numbers_.reserve(count);
+    begins_.assign(1, 0);
+    lists_.assign(1, 0);
+    for (std::uint32_t keyframe = first_; keyframe < end; ++keyframe) {
+      for (const std::uint32_t word : WordsIn(remains, keyframe)) {
+        const auto next = static_cast<std::uint32_t>(lists_.size() - 1);
+        const std::uint32_t before = number_of.Insert(word, next);
+        if (before == kNoRow) lists_.push_back(0);
+        numbers_.push_back(before == kNoRow ? next : before);
+        ++lists_[numbers_.back() + 1];
+      }
+      begins_.push_back(numbers_.size());
+    }
+  }
+
+  static std::span<const std::uint32_t> WordsIn(const Remains& remains, std::uint32_t keyframe) {
+    if (!remains.Keeps(keyframe)) return {};
+    return remains.sights().KeyFrameOf(keyframe).features.bag_of_words.words;
+  }
+
+  const std::uint32_t first_;
+  std::vector<std::uint32_t> numbers_, keyframes_;
+  std::vector<std::size_t> begins_, lists_;  // of each keyframe's numbers, and of each number's keyframes
+};
+
+std::vector<WordLists> ListWords(const Remains& remains) {
+  std::vector<WordLists> lists;
+  std::uint32_t first = 0;
+  for (const Map& map : remains.sights().atlas().maps) {
+    const auto end = first + static_cast<std::uint32_t>(map.keyframes.size());
+    lists.emplace_back(remains, first, end);
+    first = end;
+  }
   return lists;
 }
 
@@ -41,48 +97,64 @@ Finding::Finding(const Remains& remains, std::span<const std::vector<std::uint32
     : remains_(remains),
       sure_(kSure * static_cast<double>(std::max<std::size_t>(min_points, 1))),
       places_(remains.sights().keyframes()),
-      shown_at_(remains.sights().points()),
       places_of_(remains.sights().keyframes()) {
-  for (std::uint32_t place = 0; place < places_.size(); ++place)
-    if (remains.Keeps(place)) CountPoints(place, place < shown.size() ? shown[place] : std::vector<std::uint32_t>());
+  CountPoints(shown);
   CountWords(threads);
   for (std::uint32_t number = 0; number < places_.size(); ++number) {
     Place& place = places_[number];
-    for (std::uint32_t row = 0; row < place.seers.size(); ++row) {
-      place.rows.emplace_back(place.seers[row].keyframe, row);
-      places_of_[place.seers[row].keyframe].push_back(number);
-    }
-    std::ranges::sort(place.rows);
+    for (const Seer& seer : place.seers) places_of_[seer.keyframe].push_back(number);
+    ListRows(place);
     place.value = ValueOf(place, kNoRow);
   }
 }
 
-void Finding::CountPoints(std::uint32_t place, std::span<const std::uint32_t> shown) {
-  std::vector<std::uint32_t> points(shown.begin(), shown.end());
-  for (const Sights::Sight& sight : remains_.sights().PointsOf(place)) points.push_back(sight.number);
-  std::ranges::sort(points);
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  std::unordered_map<std::uint32_t, std::uint32_t> counts;
-  for (const std::uint32_t point : points) {
-    if (!remains_.Stays(point)) continue;
-    shown_at_[point].push_back(place);
-    for (const Sights::Sight& observer : remains_.sights().ObserversOf(point)) ++counts[observer.number];
+void Finding::CountPoints(std::span<const std::vector<std::uint32_t>> shown) {
+  const Sights& sights = remains_.sights();
+  std::vector<std::vector<std::uint32_t>> shows(places_.size());  // by place: points, ascending
+  std::vector<std::uint32_t> counts(places_.size(), 0);           // by keyframe
+  shown_begins_.assign(sights.points() + 1, 0);
+  for (std::uint32_t place = 0; place < places_.size(); ++place) {
+    if (!remains_.Keeps(place)) continue;
+    shows[place] = ShownFrom(place, place < shown.size() ? shown[place] : std::vector<std::uint32_t>());
+    std::vector<Seer>& seers = places_[place].seers;
+    for (const std::uint32_t point : shows[place]) {
+      ++shown_begins_[point + 1];
+      for (const Sights::Sight& observer : sights.ObserversOf(point))
+        if (counts[observer.number]++ == 0) seers.push_back({observer.number});
+    }
+    for (Seer& seer : seers) seer.points = std::exchange(counts[seer.keyframe], 0);
+    std::ranges::sort(seers, {}, &Seer::keyframe);
   }
-  for (const auto& [keyframe, count] : counts) places_[place].seers.push_back({keyframe, count});
-  std::ranges::sort(places_[place].seers, {}, &Seer::keyframe);
+  std::partial_sum(shown_begins_.begin(), shown_begins_.end(), shown_begins_.begin());
+  shown_at_.resize(shown_begins_.back());
+  std::vector<std::size_t> next(shown_begins_.begin(), shown_begins_.end());
+  for (std::uint32_t place = 0; place < places_.size(); ++place)
+    for (const std::uint32_t point : shows[place]) shown_at_[next[point]++] = place;
+}
+
+std::vector<std::uint32_t> Finding::ShownFrom(std::uint32_t place, std::span<const std::uint32_t> beside) const {
+  std::vector<std::uint32_t> points;
+  for (const Sights::Sight& sight : remains_.sights().PointsOf(place)) points.push_back(sight.number);
+  const auto seen = static_cast<std::ptrdiff_t>(points.size());  // ascending
+  points.insert(points.end(), beside.begin(), beside.end());
+  std::sort(points.begin() + seen, points.end());
+  std::inplace_merge(points.begin(), points.begin() + seen, points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  std::erase_if(points, [&](std::uint32_t point) { return !remains_.Stays(point); });
+  return points;
 }
 
 void Finding::CountWords(int threads) {
-  const Sights& sights = remains_.sights();
-  const std::vector<Lists> lists = ListWords(remains_);
+  const std::vector<WordLists> lists = ListWords(remains_);
   ParallelFor(places_.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> common(places_.size(), 0);  // by keyframe
     for (std::size_t number = begin; number < end; ++number) {
       const auto place = static_cast<std::uint32_t>(number);
       if (!remains_.Keeps(place)) continue;
       std::vector<std::uint32_t> sharing;
-      for (const std::uint32_t word : sights.KeyFrameOf(place).features.bag_of_words.words)
-        for (const std::uint32_t keyframe : lists[sights.RowOf(place).map].at(word))
+      const WordLists& words = lists[remains_.sights().RowOf(place).map];
+      for (const std::uint32_t word : words.WordsOf(place))
+        for (const std::uint32_t keyframe : words.KeyFramesWith(word))
           if (common[keyframe]++ == 0) sharing.push_back(keyframe);
       SetWords(place, sharing, common);
       for (const std::uint32_t keyframe : sharing) common[keyframe] = 0;
@@ -109,31 +181,42 @@ void Finding::SetWords(std::uint32_t place, std::span<const std::uint32_t> shari
   const auto more_words = [](const Seer& a, const Seer& b) {
     return a.words != b.words ? a.words > b.words : a.keyframe < b.keyframe;
   };
-  std::ranges::sort(rivals, more_words);
-  if (rivals.size() > kMostRivals) rivals.resize(kMostRivals);
+  if (rivals.size() > kMostRivals) {
+    std::ranges::nth_element(rivals, rivals.begin() + kMostRivals, more_words);
+    rivals.resize(kMostRivals);
+  }
   seers.insert(seers.end(), rivals.begin(), rivals.end());
   std::ranges::sort(seers, more_words);
 }
 
 double Finding::ValueOf(const Place& place, std::uint32_t without) const {
   const auto is_there = [&](const Seer& seer) { return seer.keyframe != without && remains_.Keeps(seer.keyframe); };
-  double best = 0;
+  double best = 0, most = 1;          // what those behind can be at most
   std::size_t ahead = 0, rivals = 0;  // seers with so many words that others are not tried, and who of them is there
   for (const Seer& seer : place.seers) {
     for (; !IsTried(seer.words, place.seers[ahead].words); ++ahead)
-      if (is_there(place.seers[ahead])) ++rivals;
-    if (!is_there(seer)) continue;
+      if (is_there(place.seers[ahead])) most = 1 / static_cast<double>(1 + ++rivals);
+    if (best >= most) break;
+    if (seer.points == 0 || !is_there(seer)) continue;
     const double points = seer.points, share = points * points / (points * points + sure_ * sure_);
     best = std::max(best, share / static_cast<double>(1 + rivals));
   }
   return best;
 }
 
+void Finding::ListRows(Place& place) {
+  place.rows.clear();
+  for (std::uint32_t row = 0; row < place.seers.size(); ++row) place.rows.emplace_back(place.seers[row].keyframe, row);
+  std::ranges::sort(place.rows);
+  place.gone = 0;
+}
+
 void Finding::Change(std::span<const std::uint32_t> points, std::uint32_t by) {
   for (const std::uint32_t point : points)
-    for (const std::uint32_t number : shown_at_[point]) {
+    for (const std::uint32_t number : PlacesThatShow(point)) {
       Place& place = places_[number];
       for (const Sights::Sight& observer : remains_.sights().ObserversOf(point)) {
+        if (!remains_.Keeps(observer.number)) continue;
         const auto row =
             std::ranges::lower_bound(place.rows, observer.number, {}, &std::pair<std::uint32_t, std::uint32_t>::first);
         place.seers[row->second].points += by;
@@ -152,7 +235,13 @@ double Finding::Loss(std::uint32_t keyframe, std::span<const std::uint32_t> goin
 
 void Finding::Remove(std::uint32_t keyframe, std::span<const std::uint32_t> going) {
   Change(going, ~std::uint32_t{0});
-  for (const std::uint32_t place : places_of_[keyframe]) places_[place].value = ValueOf(places_[place], keyframe);
+  for (const std::uint32_t number : places_of_[keyframe]) {
+    Place& place = places_[number];
+    place.value = ValueOf(place, keyframe);
+    if (2 * ++place.gone < place.seers.size()) continue;
+    std::erase_if(place.seers, [&](const Seer& seer) { return !remains_.Keeps(seer.keyframe); });
+    ListRows(place);
+  }
 }
 
 std::vector<std::uint32_t> Finding::ShownOnce() const {
@@ -163,7 +252,7 @@ std::vector<std::uint32_t> Finding::ShownOnce() const {
     std::size_t others = 0;
     for (const Sights::Sight& sight : remains_.sights().PointsOf(keyframe)) {
       if (!remains_.Stays(sight.number)) continue;
-      if (shown_at_[sight.number].size() < 2)
+      if (PlacesThatShow(sight.number).size() < 2)
         alone.push_back(sight.number);
       else
         ++others;

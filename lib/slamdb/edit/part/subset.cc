@@ -189,7 +189,7 @@ class MapClosing {
   }
 
   void MendMap() {
-    const KeyFrameId lowest = std::ranges::min(map_.keyframes, {}, &KeyFrame::id).id;
+    const KeyFrameId lowest = std::ranges::min_element(map_.keyframes, {}, &KeyFrame::id)->id;
     const auto choose = [&](KeyFrameId& id, KeyFrameId instead) {
       if (!Keeps(id)) id = instead;
     };

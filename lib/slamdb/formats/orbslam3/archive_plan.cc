@@ -56,6 +56,7 @@ class SegmentEncoder {
     }
     return encoder_.classes;
   }
+  const Output& output() const { return encoder_.output; }
 
  private:
   const Map& map() const { return atlas_.maps[segment_.map]; }
@@ -228,16 +229,19 @@ void ArchivePlan::Add(Segment segment, ClassTable& classes) {
   segments_.push_back(std::move(segment));
 }
 
-void ArchivePlan::Encode(std::size_t i, Column<char>& text) const {
-  TextOutput output(text, encoding_);
-  if (i == 0) output.PutRaw(WriteArchiveHeader(encoding_));
-  SegmentEncoder(atlas_, encoding_, segments_[i], output).Run();
-}
-
-void ArchivePlan::Encode(std::size_t i, detail::Pieces& binary) const {
-  BinaryOutput output(binary, encoding_, BinaryOutput::Columns::kReferredTo);
-  if (i == 0) output.PutRaw(WriteArchiveHeader(encoding_));
-  SegmentEncoder(atlas_, encoding_, segments_[i], output).Run();
+bool ArchivePlan::Encode(std::size_t i, detail::Pieces& buffer) const {
+  const std::string header = i == 0 ? WriteArchiveHeader(encoding_) : std::string();
+  if (!encoding_.text) {
+    BinaryOutput output(buffer, encoding_, BinaryOutput::Columns::kReferredTo);
+    output.PutRaw(header);
+    SegmentEncoder(atlas_, encoding_, segments_[i], output).Run();
+    return true;
+  }
+  TextOutput output(buffer, encoding_);
+  output.PutRaw(header);
+  SegmentEncoder encoder(atlas_, encoding_, segments_[i], output);
+  encoder.Run();
+  return encoder.output().all_finite();
 }
 
 }  // namespace slamdb::orbslam3

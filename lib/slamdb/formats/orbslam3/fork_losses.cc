@@ -59,7 +59,7 @@ std::string BytesOf(const Step& step, const Entity& entity) {
   Encoder<BinaryOutput> encoder(BinaryOutput(pieces, encoding), ClassTable(encoding));
   step.run(encoder, step.name, entity);
   std::string bytes;
-  encoder.output.Flush(0, [&](Bytes all) { bytes.assign(reinterpret_cast<const char*>(all.data()), all.size()); });
+  pieces.ForEach([&](Bytes all) { bytes.assign(reinterpret_cast<const char*>(all.data()), all.size()); });
   return bytes;
 }
 

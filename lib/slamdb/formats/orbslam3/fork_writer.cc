@@ -340,13 +340,18 @@ class ForkWriter {
   }
 
   static constexpr std::size_t kFlushBytes = std::size_t{1} << 20;
-  void Flush(std::size_t least) { encoder_.output.Flush(least, write_); }
+  // Writes what was put, if it is more than `least` bytes.
+  void Flush(std::size_t least) {
+    if (buffer_.collected() <= least) return;
+    buffer_.ForEach(write_);
+    buffer_.clear();
+  }
 
   const Atlas& atlas_;
   const ForkProgram& program_;
   bool carried_fits_;
   const Target::Sink& write_;
-  typename Output::Buffer buffer_;
+  detail::Pieces buffer_;
   Encoder<Output> encoder_;
   std::vector<std::optional<std::uint32_t>> cameras_;  // object ids of those that were written
   std::vector<MapObjects> objects_;

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/orbslam3/detail/input.h"
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <bit>
+#include <charconv>
 
 namespace slamdb::orbslam3 {
 
@@ -100,31 +106,125 @@ void TextInput::FailToken() const {
        ": the file is damaged, or not written by ORB-SLAM3 v1.0");
 }
 
-// Counts the ends of tokens in blocks that the compiler turns into vector code, and walks where a block holds the last
-// token or what can be looked at ends. Which spaces stand there is looked at by who decodes the tokens.
+namespace {
+
+constexpr std::ptrdiff_t kBlock = 64;
+
+// Nothing up to a space is part of a token. Which of it stands there is looked at by who decodes the tokens.
+bool IsBlank(char c) { return static_cast<unsigned char>(c) <= ' '; }
+
+// A bit for each of the next 64 characters.
+std::uint64_t MarkBlanks(const char* text) {
+  std::uint64_t blanks = 0;
+#ifdef __SSE2__
+  const __m128i space = _mm_set1_epi8(' ');
+  for (int i = 3; i >= 0; --i) {
+    const __m128i part = _mm_loadu_si128(reinterpret_cast<const __m128i*>(text) + i);
+    const int marks = _mm_movemask_epi8(_mm_cmpeq_epi8(_mm_max_epu8(part, space), space));
+    blanks = blanks << 16 | static_cast<unsigned>(marks);
+  }
+#else
+  for (std::ptrdiff_t i = 0; i < kBlock; ++i) blanks |= std::uint64_t{IsBlank(text[i])} << i;
+#endif
+  return blanks;
+}
+
+}  // namespace
+
+// Counts the ends of tokens a block at a time, and walks where what can be looked at ends.
 void TextInput::SkipTokens(std::size_t count) {
-  constexpr std::ptrdiff_t kBlock = 64;
-  const auto is_space = [](char c) { return static_cast<unsigned char>(c) <= ' '; };
   while (count > 0) {
-    SkipSpace();
-    std::size_t walk = 1;
     while (end_ - next_ > kBlock) {
-      std::uint8_t ends = 0;
-      for (std::ptrdiff_t i = 0; i < kBlock; ++i)
-        ends = static_cast<std::uint8_t>(ends + (!is_space(next_[i]) && is_space(next_[i + 1])));
-      if (ends >= count) {
-        walk = count;
-        break;
+      const std::uint64_t blanks = MarkBlanks(next_);
+      std::uint64_t ends = ~blanks & (blanks >> 1 | std::uint64_t{IsBlank(next_[kBlock])} << (kBlock - 1));
+      const auto found = static_cast<std::size_t>(std::popcount(ends));
+      if (found >= count) {
+        while (--count > 0) ends &= ends - 1;
+        next_ += std::countr_zero(ends) + 1;
+        return;
       }
-      count -= ends;
+      count -= found;
       next_ += kBlock;
     }
-    for (; walk > 0; --walk, --count) {
-      SkipSpace();
-      while (next_ != end_ && !is_space(*next_)) ++next_;
-      if (next_ == end_) FailTruncated();
-    }
+    SkipSpace();
+    while (next_ != end_ && !IsBlank(*next_)) ++next_;
+    if (next_ == end_) FailTruncated();
+    --count;
   }
+}
+
+// ---- bytes: descriptors are half of all tokens
+
+namespace {
+
+// A byte by the three digits that may stand for it, four bits each: its value, and above that how many digits are
+// written: none where they are no number from 0 to 255.
+constexpr std::array<std::uint16_t, 4096> kBytes = [] {
+  std::array<std::uint16_t, 4096> bytes{};
+  for (unsigned value = 0; value < 256; ++value) {
+    const unsigned digits = 1U + (value > 9) + (value > 99);
+    bytes[value / 100 << 8 | value / 10 % 10 << 4 | value % 10] = static_cast<std::uint16_t>(digits << 8 | value);
+  }
+  return bytes;
+}();
+
+// What the last four characters of a token of so many digits are made of, the space in front of it among them.
+constexpr std::array<std::uint32_t, 4> kPartOfToken{0xFF000000, 0xFFFF0000, 0xFFFFFF00, 0xFFFFFFFF},
+    kSpaceAndZeros{0x20000000, 0x30200000, 0x30302000, 0x30303020};
+
+}  // namespace
+
+void TextInput::TakeBytes(std::uint8_t* values, std::size_t count) {
+  std::uint8_t* const end = values + count;
+  while (values != end) {
+    *values++ = Take<std::uint8_t>();
+    values = TakeUsualBytes(values, end);
+  }
+}
+
+// Takes tokens behind one that this cursor took, block by block, until one is not as usual or not wholly in sight.
+// Returns how far it came. That all is well is looked at once for a block.
+std::uint8_t* TextInput::TakeUsualBytes(std::uint8_t* values, std::uint8_t* const end) {
+  std::uint8_t* taken = values;
+  const char* space = next_;  // in front of the next token
+  for (const char* block = next_ + 1; values != end && end_ - block > kBlock; block += kBlock) {
+    std::uint32_t wrong = 0;
+    for (std::uint64_t blanks = MarkBlanks(block); blanks != 0 && values != end; blanks &= blanks - 1) {
+      const char* const behind = block + std::countr_zero(blanks);
+      const auto length = static_cast<std::uint32_t>(behind - space - 1);
+      space = behind;
+      std::uint32_t digits;
+      std::memcpy(&digits, behind - sizeof(digits), sizeof(digits));
+      digits = (digits & kPartOfToken[length & 3]) ^ kSpaceAndZeros[length & 3];
+      const std::uint32_t byte = kBytes[((digits >> 8) * 0x1001001 >> 16) & 0xFFF];
+      wrong |= (digits & 0xF0F0F0F0) | (byte >> 8 ^ length);
+      *values++ = static_cast<std::uint8_t>(byte);
+    }
+    if (wrong != 0 || !IsSpace(*space)) break;
+    next_ = space;
+    taken = values;
+  }
+  return taken;
+}
+
+// ---- all tokens
+
+template <class T>
+T TextInput::TakeAny() {
+  const char* const token = SkipSpace();
+  if constexpr (std::is_integral_v<T>)
+    return TakeInteger<T>(token);
+  else
+    return TakeFloat<T>(token);
+}
+
+template <class T>
+T TextInput::TakeInteger(const char* token) {
+  T value{};
+  const auto [parsed, error] = std::from_chars(token, end_, value);
+  const bool minus_zero = value == 0 && *token == '-';
+  Finish(parsed, error == std::errc() && !minus_zero && !HasZeroInFront(token, parsed));
+  return value;
 }
 
 // ORB-SLAM3's own loader dies on `nan` and `inf`, which its writer produces from uninitialised members.
@@ -143,7 +243,15 @@ T TextInput::TakeFloat(const char* token) {
   return value;
 }
 
-template float TextInput::TakeFloat<float>(const char* token);
-template double TextInput::TakeFloat<double>(const char* token);
+template std::int8_t TextInput::TakeAny();
+template std::uint8_t TextInput::TakeAny();
+template std::int16_t TextInput::TakeAny();
+template std::uint16_t TextInput::TakeAny();
+template std::int32_t TextInput::TakeAny();
+template std::uint32_t TextInput::TakeAny();
+template std::int64_t TextInput::TakeAny();
+template std::uint64_t TextInput::TakeAny();
+template float TextInput::TakeAny();
+template double TextInput::TakeAny();
 
 }  // namespace slamdb::orbslam3

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <atomic>
+
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/pieces.h"
 #include "slamdb/base/detail/pipeline.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/archive_header.h"
@@ -33,40 +36,26 @@ ArchiveEncoding EncodingFor(const Atlas& atlas, const Orbslam3WriteOptions& opti
   return encoding;
 }
 
-bool HasNonFinite(const Column<char>& text) {
-  const std::string_view view(text.data(), text.size());
-  return view.find(" nan") != view.npos || view.find(" -nan") != view.npos || view.find("inf") != view.npos;
-}
-
-template <class Buffer>
-void Produce(const orbslam3::ArchivePlan& plan, int threads, const detail::TakeBlock<Buffer>& take) {
-  detail::ProduceInOrder<Buffer>(
-      plan.size(), plan.ThreadsThatPay(threads), [&](std::size_t i, Buffer& buffer) { plan.Encode(i, buffer); }, take);
+// Hands the archive to take(i, pieces), segment by segment. Returns false when it is text with `nan` or `inf`.
+bool Produce(const orbslam3::ArchivePlan& plan, int threads, const detail::TakeBlock<detail::Pieces>& take) {
+  std::atomic<bool> finite = true;
+  const auto encode = [&](std::size_t i, detail::Pieces& pieces) {
+    if (!plan.Encode(i, pieces)) finite = false;
+  };
+  detail::ProduceInOrder<detail::Pieces>(plan.size(), plan.ThreadsThatPay(threads), encode, take);
+  return finite;
 }
 
 void WriteArchive(const Atlas& atlas, const Target& target, const WriteOptions& options, Notices& notices) {
-  const ArchiveEncoding encoding = EncodingFor(atlas, options.of<Orbslam3WriteOptions>());
-  const orbslam3::ArchivePlan plan(atlas, encoding);
+  const orbslam3::ArchivePlan plan(atlas, EncodingFor(atlas, options.of<Orbslam3WriteOptions>()));
   AtomicFile file(target, {options.overwrite, options.sync, options.before_commit});
-  bool non_finite = false;
-  const auto report = [&](std::size_t i) {
+  const bool finite = Produce(plan, options.threads, [&](std::size_t i, const detail::Pieces& pieces) {
+    pieces.ForEach([&](Bytes bytes) { file.Write(bytes); });
     if (options.progress)
       options.progress("writing " + target.path, static_cast<double>(i + 1) / static_cast<double>(plan.size()));
-  };
-  if (encoding.text) {
-    Produce<Column<char>>(plan, options.threads, [&](std::size_t i, const Column<char>& text) {
-      file.Write(std::as_bytes(std::span(text)));
-      non_finite = non_finite || HasNonFinite(text);
-      report(i);
-    });
-  } else {
-    Produce<detail::Pieces>(plan, options.threads, [&](std::size_t i, const detail::Pieces& pieces) {
-      pieces.ForEach([&](Bytes bytes) { file.Write(bytes); });
-      report(i);
-    });
-  }
+  });
   file.Commit();
-  if (non_finite)
+  if (!finite)
     notices.Warn(target.path +
                  ": the text holds nan or inf, which slamdb reads back but ORB-SLAM3's own loader does not; "
                  "Orbslam3WriteOptions::sanitize clears those in uninitialised members");
@@ -117,13 +106,8 @@ std::string EncodeOrbslam3(const Atlas& atlas) {
     orbslam3::WriteInLayout(atlas, EncodingFor(atlas, {}), atlas.layout, append, "memory", unsaid);
     return encoded;
   }
-  const ArchiveEncoding encoding = EncodingFor(atlas, {});
-  const orbslam3::ArchivePlan plan(atlas, encoding);
-  if (encoding.text)
-    Produce<Column<char>>(plan, 0,
-                          [&](std::size_t, const Column<char>& text) { append(std::as_bytes(std::span(text))); });
-  else
-    Produce<detail::Pieces>(plan, 0, [&](std::size_t, const detail::Pieces& pieces) { pieces.ForEach(append); });
+  const orbslam3::ArchivePlan plan(atlas, EncodingFor(atlas, {}));
+  Produce(plan, 0, [&](std::size_t, const detail::Pieces& pieces) { pieces.ForEach(append); });
   return encoded;
 }
 

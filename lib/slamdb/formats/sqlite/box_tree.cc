@@ -9,9 +9,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <string>
 #include <unordered_set>
+#include <utility>
+
+#include "slamdb/formats/sqlite/detail/batch_insert.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -82,16 +86,17 @@ void PutBigEndian(char*& to, T value) {
 // Writes the nodes of the tree while it is built.
 class TreeWriter {
  public:
-  explicit TreeWriter(Database& database)
-      : node_bytes_(
+  TreeWriter(Database& database, std::size_t points)
+      : database_(database),
+        node_bytes_(
             static_cast<std::size_t>(database.Integer("SELECT length(data) FROM map_point_box_node WHERE nodeno = 1"))),
         node_(database, "INSERT OR REPLACE INTO map_point_box_node VALUES (?1, ?2)", "table map_point_box_node"),
-        leaf_(database, "INSERT INTO map_point_box_rowid VALUES (?1, ?2)", "table map_point_box_rowid"),
         parent_(database, "INSERT INTO map_point_box_parent VALUES (?1, ?2)", "table map_point_box_parent") {
     if (node_bytes_ < kNodeHeaderBytes + 2 * kCellBytes || node_bytes_ > 65536) {
       throw Error(ErrorKind::kDamaged, database.path(), "table map_point_box_node, row 1",
                   "no root of an R*Tree: the store is damaged");
     }
+    leaf_of_.reserve(points);
   }
 
   std::size_t cells_per_node() const { return (node_bytes_ - kNodeHeaderBytes) / kCellBytes; }
@@ -110,6 +115,14 @@ class TreeWriter {
     return parents;
   }
 
+  // Which leaf has each point; after the last level. In the order of their rows, so that the table grows at its end.
+  void WriteLeafOfPoints() {
+    std::sort(leaf_of_.begin(), leaf_of_.end());
+    BatchInsert insert(database_, "map_point_box_rowid", 2);
+    for (const auto& [point, leaf] : leaf_of_) insert.Add(std::array<Value, 2>{point, leaf});
+    insert.Flush();
+  }
+
  private:
   Cell WriteNode(std::span<const Cell> cells, int depth, bool is_root) {
     Cell node{.number = is_root ? kRoot : ++last_node_, .min = cells[0].min, .max = cells[0].max};
@@ -125,15 +138,20 @@ class TreeWriter {
       }
       node.min = node.min.min(cell.min);
       node.max = node.max.max(cell.max);
-      (depth == 0 ? leaf_ : parent_).Bind(1, cell.number).Bind(2, node.number).Run();
+      if (depth == 0)
+        leaf_of_.emplace_back(cell.number, node.number);
+      else
+        parent_.Bind(1, cell.number).Bind(2, node.number).Run();
     }
     node_.Bind(1, node.number).BindBlob(2, std::as_bytes(std::span(bytes))).Run();
     return node;
   }
 
+  Database& database_;
   std::size_t node_bytes_;
   std::int64_t last_node_ = kRoot;
-  Statement node_, leaf_, parent_;
+  Statement node_, parent_;
+  std::vector<std::pair<std::int64_t, std::int64_t>> leaf_of_;
 };
 
 // Lets statements write the tables behind the R*Tree, which the connection forbids otherwise.
@@ -157,11 +175,12 @@ void Rebuild(Database& database, const std::vector<PointBox>& boxes) {
   std::vector<Cell> cells;
   cells.reserve(boxes.size());
   for (const PointBox& box : boxes) cells.push_back({box.row, box.position, box.position});
-  TreeWriter writer(database);
+  TreeWriter writer(database, boxes.size());
   int depth = 0;
   do {
     cells = writer.WriteLevel(cells, depth++);
   } while (cells.size() > 1);
+  writer.WriteLeafOfPoints();
 }
 
 std::vector<PointBox> AllBoxesBut(Database& database, const std::vector<PointBox>& replaced) {

@@ -6,15 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <system_error>
 #include <thread>
 
 #include "slamdb/base/detail/errno_kind.h"
 #include "slamdb/base/detail/recognize.h"
+#include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/one_name.h"
+#include "slamdb/formats/sqlite/detail/visit_rows.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -156,7 +157,7 @@ void LimitWhatFilesCanDo(sqlite3* handle) {
       {SQLITE_LIMIT_EXPR_DEPTH, 100},
       {SQLITE_LIMIT_COMPOUND_SELECT, 20},
       {SQLITE_LIMIT_VDBE_OP, 100'000},
-      {SQLITE_LIMIT_FUNCTION_ARG, 16},
+      {SQLITE_LIMIT_FUNCTION_ARG, 32},
       {SQLITE_LIMIT_ATTACHED, 1},  // VACUUM attaches what it builds
       {SQLITE_LIMIT_LIKE_PATTERN_LENGTH, 100},
       {SQLITE_LIMIT_TRIGGER_DEPTH, 1},
@@ -290,13 +291,14 @@ void Database::OpenHandle(int flags, const char* vfs) {
   handle_.reset(handle);
   if (code != SQLITE_OK) throw FailureOf(handle, code, path_, "", "cannot open: ");
   LimitWhatFilesCanDo(handle);
+  RegisterVisit(handle);
   sqlite3_busy_handler(
       handle, [](void* waiting, int attempt) { return static_cast<Waiting*>(waiting)->Pause(attempt) ? 1 : 0; },
       waiting_.get());
 }
 
 int Database::BeginReading() {
-  return sqlite3_exec(handle(), "PRAGMA query_only=ON; PRAGMA cache_size=-8192; SELECT 1 FROM sqlite_schema LIMIT 1",
+  return sqlite3_exec(handle(), "PRAGMA query_only=ON; PRAGMA cache_size=-1024; SELECT 1 FROM sqlite_schema LIMIT 1",
                       nullptr, nullptr, nullptr);
 }
 
@@ -346,6 +348,7 @@ void Database::OpenToWrite(Access access) {
   OpenHandle(SQLITE_OPEN_READWRITE | (access == Access::kCreate ? SQLITE_OPEN_CREATE : 0));
   if (sqlite3_db_readonly(handle(), "main") == 1)
     throw Error(ErrorKind::kPermission, path_, "", "the file cannot be written");
+  RegisterRows(handle());
 }
 
 void Database::Execute(const std::string& sql) {
@@ -378,91 +381,6 @@ Error Database::Failure(const std::string& place, int code) const {
   if (is_image_ && (code & 0xff) == SQLITE_BUSY)
     return Error(ErrorKind::kLocked, path_, "", "is being changed while it is read: try again");
   return FailureOf(handle(), code, path_, place);
-}
-
-Statement::Statement(Database& database, std::string_view sql, std::string place)
-    : database_(&database), place_(std::move(place)) {
-  sqlite3_stmt* statement = nullptr;
-  const int code = sqlite3_prepare_v3(database.handle(), sql.data(), static_cast<int>(sql.size()),
-                                      SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
-  handle_.reset(statement);
-  if (code != SQLITE_OK) throw database.Failure(place_, code);
-}
-
-void Statement::Check(int code) {
-  if (code != SQLITE_OK) throw database_->Failure(place_, code);
-}
-
-Statement& Statement::Bind(int index, std::int64_t value) {
-  Check(sqlite3_bind_int64(handle_.get(), index, value));
-  return *this;
-}
-Statement& Statement::Bind(int index, std::optional<std::int64_t> value) {
-  return value ? Bind(index, *value) : BindNull(index);
-}
-Statement& Statement::BindReal(int index, double value) {
-  Check(sqlite3_bind_double(handle_.get(), index, value));  // SQLite itself stores NaN as NULL
-  return *this;
-}
-Statement& Statement::BindText(int index, std::string_view value) {
-  const char* text = value.data() == nullptr ? "" : value.data();
-  Check(sqlite3_bind_text64(handle_.get(), index, text, value.size(), SQLITE_STATIC, SQLITE_UTF8));
-  return *this;
-}
-Statement& Statement::BindBlob(int index, Bytes value) {
-  const void* bytes = value.empty() ? static_cast<const void*>("") : value.data();
-  Check(sqlite3_bind_blob64(handle_.get(), index, bytes, value.size(), SQLITE_STATIC));
-  return *this;
-}
-Statement& Statement::BindNull(int index) {
-  Check(sqlite3_bind_null(handle_.get(), index));
-  return *this;
-}
-
-bool Statement::Step() {
-  const int code = sqlite3_step(handle_.get());
-  if (code == SQLITE_ROW) return true;
-  if (code != SQLITE_DONE) throw database_->Failure(place_, code);
-  return false;
-}
-
-void Statement::Reset() { sqlite3_reset(handle_.get()); }
-
-void Statement::Run() {
-  while (Step()) {
-  }
-  Reset();
-}
-
-double Statement::Real(int column) const {
-  const double value = sqlite3_column_double(handle_.get(), column);
-  return value == 0 && IsNull(column) ? std::numeric_limits<double>::quiet_NaN() : value;  // 0 for NULL, too
-}
-
-std::string Statement::Text(int column) const {
-  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(handle_.get(), column));
-  return text == nullptr ? std::string()
-                         : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column)));
-}
-
-Bytes Statement::Blob(int column) const {
-  const auto* bytes = static_cast<const std::byte*>(sqlite3_column_blob(handle_.get(), column));
-  if (bytes == nullptr) {
-    if (sqlite3_errcode(database_->handle()) == SQLITE_NOMEM) throw database_->Failure(place_);
-    return {};
-  }
-  return {bytes, static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column))};
-}
-
-Transaction::Transaction(Database& database, Kind kind) : database_(database) {
-  if (kind == Kind::kBegin) database.Execute("BEGIN");
-}
-Transaction::~Transaction() {
-  if (open_) sqlite3_exec(database_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
-}
-void Transaction::Commit() {
-  database_.Execute("COMMIT");
-  open_ = false;
 }
 
 }  // namespace slamdb::sqlite

@@ -17,8 +17,7 @@
 namespace slamdb::sqlite {
 namespace {
 
-constexpr std::size_t kKeyframesPerSlice = 8;
-constexpr std::size_t kPointsPerSlice = 4096;
+constexpr std::size_t kSlicesPerThread = 4;
 
 // A map of the atlas while it is loaded.
 struct MapRows {
@@ -75,17 +74,19 @@ std::vector<MapRows> LoadMaps(Database& database, std::int64_t atlas_row, const 
   return maps;
 }
 
-// Slices of keyframes and points alternate, so that threads of both kinds of work run side by side.
-std::vector<Slice> CutSlices(const std::vector<MapRows>& maps) {
+// A few for each thread, so that they end together; larger where there is more, as statements are prepared for each.
+std::vector<Slice> CutSlices(const std::vector<MapRows>& maps, int threads) {
+  const auto slices_of_list = kSlicesPerThread * static_cast<std::size_t>(detail::ThreadCount(threads));
   std::vector<Slice> slices;
-  const auto cut = [&](std::size_t map, bool points, std::size_t size, std::size_t grain) {
+  const auto cut = [&](std::size_t map, bool points, std::size_t size, std::size_t least, std::size_t most) {
+    const std::size_t grain = std::clamp(size / slices_of_list, least, most);
     for (std::size_t first = 0; first < size; first += grain) {
       slices.push_back({map, points, first, std::min(grain, size - first)});
     }
   };
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    cut(i, false, maps[i].keyframes.size(), kKeyframesPerSlice);
-    cut(i, true, maps[i].points.size(), kPointsPerSlice);
+    cut(i, false, maps[i].keyframes.size(), 8, 64);
+    cut(i, true, maps[i].points.size(), 512, 4096);
   }
   return slices;
 }
@@ -116,7 +117,7 @@ void LoadLists(Database& database, std::int64_t atlas_row, const ReadOptions& op
     for (auto* list : {&of.keyframes, &of.links, &of.features}) list->resize(maps[i].keyframes.size());
     for (auto* list : {&of.points, &of.observations}) list->resize(maps[i].points.size());
   }
-  const std::vector<Slice> slices = CutSlices(maps);
+  const std::vector<Slice> slices = CutSlices(maps, options.threads);
   const std::int64_t revision = database.Integer("SELECT revision FROM atlas WHERE row = " + std::to_string(atlas_row));
   ConnectionPool pool(database.path(), options.of<StoreReadOptions>().lock_timeout, atlas_row, revision);
   const std::thread::id caller = std::this_thread::get_id();

@@ -4,6 +4,7 @@
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/formats/sqlite/detail/visit_rows.h"
 #include "slamdb/model/detail/record.h"
 
 namespace slamdb::sqlite {
@@ -93,29 +94,29 @@ void ReadRows(Database& database, std::span<const std::int64_t> rows, std::span<
 void ReadLinks(Database& database, std::span<const std::int64_t> rows, std::span<KeyFrame> keyframes,
                std::span<const std::int64_t> links_hashes) {
   Statement statement(database,
-                      "SELECT keyframe, kind, target, weight FROM keyframe_link WHERE keyframe BETWEEN ?1 AND ?2 "
-                      "ORDER BY keyframe, kind, position",
+                      "SELECT slamdb_visit(?1, keyframe, kind, target, weight) FROM keyframe_link "
+                      "INDEXED BY sqlite_autoindex_keyframe_link_1 WHERE keyframe BETWEEN ?2 AND ?3",
                       "table keyframe_link");
-  statement.Bind(1, rows.front()).Bind(2, rows.back());
-  bool has_row = statement.Step();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    KeyFrame& keyframe = keyframes[i];
-    for (; has_row && statement.Integer(0) == rows[i]; has_row = statement.Step()) {
-      const auto target = FromReference<KeyFrameId>(statement, 2);
-      const std::string kind = statement.Text(1);
-      if (kind == "covisible") {
-        keyframe.connections.push_back({target, static_cast<std::int32_t>(statement.Integer(3))});
-      } else if (kind == "child") {
-        keyframe.children.push_back(target);
-      } else if (kind == "loop") {
-        keyframe.loop_edges.push_back(target);
-      } else {
-        keyframe.merge_edges.push_back(target);
-      }
+  statement.Bind(2, rows.front()).Bind(3, rows.back());
+  VisitRows(statement, [&](const Row& row) {
+    const auto place = static_cast<std::uint64_t>(row.Integer(0) - rows.front());
+    if (place >= keyframes.size()) return;  // an index that is damaged
+    KeyFrame& keyframe = keyframes[place];
+    const auto target = FromReference<KeyFrameId>(row, 2);
+    const std::string_view kind = row.Text(1);
+    if (kind == "covisible") {
+      keyframe.connections.push_back({target, static_cast<std::int32_t>(row.Integer(3))});
+    } else if (kind == "child") {
+      keyframe.children.push_back(target);
+    } else if (kind == "loop") {
+      keyframe.loop_edges.push_back(target);
+    } else {
+      keyframe.merge_edges.push_back(target);
     }
-    RequireSame(database, "keyframe_link", rows[i], keyframe.id.value(),
-                detail::HashOfLinks(keyframe) == links_hashes[i]);
-  }
+  });
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    RequireSame(database, "keyframe_link", rows[i], keyframes[i].id.value(),
+                detail::HashOfLinks(keyframes[i]) == links_hashes[i]);
 }
 
 void ReadFeatures(Database& database, std::span<const std::int64_t> rows, std::span<KeyFrame> keyframes,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -6,18 +7,19 @@
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/visit_rows.h"
 
 namespace slamdb::sqlite {
 namespace {
 
 // NULL: `value` stays what it is, not recorded.
 template <class Integer>
-void ReadRecorded(const Statement& row, int column, Integer& value) {
+void ReadRecorded(const Row& row, int column, Integer& value) {
   if (!row.IsNull(column)) value = static_cast<Integer>(row.Integer(column));
 }
 
 // False: the numbers in its columns are not those in `exact`.
-bool ReadPoint(Database& database, const Statement& row, MapPoint& point) {
+bool ReadPoint(Database& database, const Row& row, MapPoint& point) {
   bool same = true;
   point.id = MapPointId(static_cast<std::uint64_t>(row.Integer(1)));
   std::array<float, 8> reals;
@@ -49,46 +51,42 @@ bool ReadPoint(Database& database, const Statement& row, MapPoint& point) {
   return same;
 }
 
-// Reads the observations of points one after the other, in step with the points.
+// The observations of consecutive points.
 class ObservationReader {
  public:
   explicit ObservationReader(Database& database)
-      : database_(database),
-        rows_(database,
-              "SELECT point, keyframe, left_keypoint, right_keypoint, position FROM observation WHERE point BETWEEN ?1 "
-              "AND "
-              "?2 ORDER BY point, position",
+      : rows_(database,
+              "SELECT slamdb_visit(?1, point, keyframe, left_keypoint, right_keypoint) FROM observation "
+              "INDEXED BY sqlite_autoindex_observation_1 WHERE point BETWEEN ?2 AND ?3",
               "table observation") {}
 
+  // Reads those of all from `first` to `last`.
   void Start(std::int64_t first, std::int64_t last) {
-    rows_.Reset();
-    has_row_ = rows_.Bind(1, first).Bind(2, last).Step();
-  }
-  void Read(std::int64_t point, Column<Observation>& observations) {
-    scratch_.clear();
-    while (has_row_ && rows_.Integer(0) == point) {
-      const auto keypoint = [this](int column) {
-        const std::int64_t value = rows_.Integer(column);  // 0 for NULL, too: rare enough to look twice
-        return value == 0 && rows_.IsNull(column) ? Observation::kAbsent : static_cast<std::int32_t>(value);
+    points_.clear();
+    observations_.clear();
+    next_ = 0;
+    rows_.Bind(2, first).Bind(3, last);
+    VisitRows(rows_, [this](const Row& row) {
+      const auto keypoint = [&row](int column) {
+        const std::int64_t value = row.Integer(column);  // 0 for NULL, too: rare enough to look twice
+        return value == 0 && row.IsNull(column) ? Observation::kAbsent : static_cast<std::int32_t>(value);
       };
-      scratch_.push_back({FromReference<KeyFrameId>(rows_, 1), keypoint(2), keypoint(3)});
-      has_row_ = rows_.Step();
-    }
-    observations.assign(scratch_.begin(), scratch_.end());
+      points_.push_back(row.Integer(0));
+      observations_.push_back({FromReference<KeyFrameId>(row, 1), keypoint(2), keypoint(3)});
+    });
   }
-  // Observations of points that do not exist would make Read skip everything after them.
-  void Finish() {
-    if (has_row_) {
-      throw Error(ErrorKind::kDamaged, database_.path(), PlaceOf("observation", rows_.Integer(0)),
-                  "belongs to no point: the store is damaged");
-    }
+  // Those of the next point.
+  void Take(std::int64_t point, Column<Observation>& observations) {
+    const std::size_t first = next_;
+    while (next_ < points_.size() && points_[next_] == point) ++next_;
+    observations.assign(observations_.data() + first, observations_.data() + next_);
   }
 
  private:
-  Database& database_;
   Statement rows_;
-  bool has_row_ = false;
-  std::vector<Observation> scratch_;
+  std::vector<std::int64_t> points_;  // of each of the
+  std::vector<Observation> observations_;
+  std::size_t next_ = 0;
 };
 
 }  // namespace
@@ -100,30 +98,33 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
   Statement statement(
       database,
       detail::Concat(
-          "SELECT row, id, hash, observations_hash, x, y, z, nx, ny, nz, min_distance, max_distance, reference, "
-          "replaced_by, first_keyframe, first_frame, observation_count, bad, descriptor, exact, descriptor_form, ",
-          has_tracking ? "origin_map, visible_count, found_count " : "NULL, NULL, NULL ",
-          "FROM map_point WHERE row BETWEEN ?1 AND ?2 ORDER BY row"),
+          "SELECT slamdb_visit(?1, row, id, hash, observations_hash, x, y, z, nx, ny, nz, min_distance, max_distance, "
+          "reference, replaced_by, first_keyframe, first_frame, observation_count, bad, descriptor, exact, "
+          "descriptor_form, ",
+          has_tracking ? "origin_map, visible_count, found_count" : "NULL, NULL, NULL",
+          ") FROM map_point NOT INDEXED WHERE row BETWEEN ?2 AND ?3"),
       "table map_point");
   ObservationReader observations(database);
   CarriedReader carried(database, CarriedKind::kPoint);
   ForEachRun(rows, [&](std::size_t first, std::size_t count) {
-    statement.Reset();
-    statement.Bind(1, rows[first]).Bind(2, rows[first + count - 1]);
-    observations.Start(rows[first], rows[first + count - 1]);
-    carried.Start(rows[first], rows[first + count - 1]);
-    for (std::size_t i = first; i < first + count; ++i) {
-      if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "map_point", rows[i]);
-      const bool same = ReadPoint(database, statement, points[i]);
-      observations.Read(rows[i], points[i].observations);
+    const std::size_t end = first + count;
+    observations.Start(rows[first], rows[end - 1]);
+    carried.Start(rows[first], rows[end - 1]);
+    std::size_t i = first;
+    statement.Bind(2, rows[first]).Bind(3, rows[end - 1]);
+    VisitRows(statement, [&](const Row& row) {
+      if (i == end || row.Integer(0) != rows[i]) throw DamagedRow(database, "map_point", rows[std::min(i, end - 1)]);
+      const bool same = ReadPoint(database, row, points[i]);
+      observations.Take(rows[i], points[i].observations);
       carried.Read(rows[i], points[i].carried);
       hashes[i] = detail::HashOfRow(points[i]);
       observations_hashes[i] = detail::HashOf(points[i].observations);
       const std::uint64_t id = points[i].id.value();
-      RequireSame(database, "map_point", rows[i], id, same && hashes[i] == statement.Integer(2));
-      RequireSame(database, "observation", rows[i], id, observations_hashes[i] == statement.Integer(3));
-    }
-    observations.Finish();
+      RequireSame(database, "map_point", rows[i], id, same && hashes[i] == row.Integer(2));
+      RequireSame(database, "observation", rows[i], id, observations_hashes[i] == row.Integer(3));
+      ++i;
+    });
+    if (i < end) throw DamagedRow(database, "map_point", rows[i]);
   });
 }
 

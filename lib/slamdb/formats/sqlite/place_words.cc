@@ -27,17 +27,28 @@ class PlaceTree {
     }
   }
 
-  // The word of a descriptor: down to the child at the least distance, the first of equals.
-  std::uint32_t WordOf(const Descriptor& descriptor) const {
-    const detail::Bits bits = detail::BitsOf(descriptor);
-    std::array<std::uint16_t, 256> distances{};
-    Node node = nodes_[0];
-    while (node.children > 0) {
-      centres_.DistancesTo(bits, node.first, node.children, distances.data());
-      const auto least = std::min_element(distances.begin(), distances.begin() + node.children);
-      node = nodes_[node.first + static_cast<std::size_t>(least - distances.begin())];
+  // Calls visit(word) for the word of each descriptor: down to the child at the least distance, the first of equals.
+  // All go down one level before any goes down the next, so that the processor need not wait for one to end.
+  template <class Visit>
+  void ForEachWord(std::span<const Descriptor> descriptors, Visit visit) const {
+    struct Walker {
+      detail::Bits bits;
+      Node node;
+    };
+    std::vector<Walker> walkers;
+    walkers.reserve(descriptors.size());
+    for (const Descriptor& descriptor : descriptors) walkers.push_back({detail::BitsOf(descriptor), nodes_[0]});
+    while (!walkers.empty()) {
+      std::size_t left = 0;
+      for (Walker& walker : walkers) {
+        walker.node = Nearest(walker.node, walker.bits);
+        if (walker.node.children == 0)
+          visit(walker.node.word);
+        else
+          walkers[left++] = walker;
+      }
+      walkers.resize(left);
     }
-    return node.word;
   }
 
  private:
@@ -46,6 +57,15 @@ class PlaceTree {
     std::uint8_t children;
     std::uint32_t word;  // of a leaf
   };
+
+  // Of its children.
+  Node Nearest(const Node& node, const detail::Bits& bits) const {
+    std::array<std::uint16_t, 256> distances;
+    centres_.DistancesTo(bits, node.first, node.children, distances.data());
+    std::uint32_t least = ~std::uint32_t{0};  // a distance, and in its lowest byte whose it is
+    for (std::uint32_t i = 0; i < node.children; ++i) least = std::min(least, std::uint32_t{distances[i]} << 8 | i);
+    return nodes_[node.first + (least & 0xff)];
+  }
 
   static detail::BitColumns CentresOf(std::span<const unsigned char> bytes) {
     const std::size_t size = bytes.size() - kWords * sizeof(std::uint16_t);
@@ -117,10 +137,7 @@ void RebuildMap(Database& database, std::int64_t map) {
 PlaceWords PlaceWordsOf(std::span<const Descriptor> descriptors) {
   static const PlaceTree tree;
   PlaceWords words{};
-  for (const Descriptor& descriptor : descriptors) {
-    const std::uint32_t word = tree.WordOf(descriptor);
-    words[word / 64] |= std::uint64_t{1} << (word % 64);
-  }
+  tree.ForEachWord(descriptors, [&](std::uint32_t word) { words[word / 64] |= std::uint64_t{1} << (word % 64); });
   return words;
 }
 

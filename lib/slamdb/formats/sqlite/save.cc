@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <charconv>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/place_words.h"
 #include "slamdb/formats/sqlite/detail/summary.h"
+#include "slamdb/formats/sqlite/detail/visit_rows.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
 #include "slamdb/model/detail/packing.h"
 
@@ -285,16 +287,15 @@ void SaveContext::Report(std::size_t done) {
 std::vector<StoredRow> ReadStoredRows(Database& database, const std::string& table, const std::string& details_hash,
                                       std::int64_t map, std::size_t expected) {
   Statement statement(database,
-                      "SELECT row, id, unique_id IS NOT NULL, hash, " + details_hash + " FROM " + table +
-                          " WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
+                      detail::Concat("SELECT slamdb_visit(?1, row, id, unique_id IS NOT NULL, hash, ", details_hash,
+                                     ") FROM ", table, " NOT INDEXED WHERE row BETWEEN ?2 AND ?3"),
                       "table " + table);
-  statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
+  statement.Bind(2, FirstRowOfMap(map)).Bind(3, LastRowOfMap(map));
   std::vector<StoredRow> rows;
   rows.reserve(expected);
-  while (statement.Step()) {
-    rows.push_back({statement.Integer(0), statement.Integer(1), statement.Integer(2) != 0, statement.Integer(3),
-                    statement.Integer(4)});
-  }
+  VisitRows(statement, [&rows](const Row& row) {
+    rows.push_back({row.Integer(0), row.Integer(1), row.Integer(2) != 0, row.Integer(3), row.Integer(4)});
+  });
   return rows;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
-#include "slamdb/base/detail/parallel.h"
+#include "slamdb/base/detail/pipeline.h"
+#include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/formats/sqlite/detail/save.h"
@@ -9,8 +10,6 @@
 
 namespace slamdb::sqlite {
 namespace {
-
-constexpr std::size_t kBatch = 16;  // keyframes whose features are packed at a time, on all threads
 
 void BindReals(Statement& insert, const KeyFrame& keyframe, int timestamp_column, int exact_column, ByteWriter& exact) {
   const detail::KeyframeReals reals = detail::RealsOf(keyframe);
@@ -36,15 +35,21 @@ class KeyframeWriter {
   explicit KeyframeWriter(SaveContext& context)
       : atlas_(context.atlas),
         carried_(context.database, CarriedKind::kKeyframe),
+        remove_(context.database, "DELETE FROM keyframe WHERE row = ?1", "table keyframe"),
         insert_(
             context.database,
-            "INSERT OR REPLACE INTO keyframe VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, "
+            "INSERT OR ROLLBACK INTO keyframe VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
+            "?15, "
             "?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, "
             "?37, ?38, ?39, ?40, ?41, ?42)",
             "table keyframe") {}
 
   void Write(std::int64_t map, const ListPlan::Entry& entry, const KeyFrame& keyframe, std::int64_t hash,
              std::int64_t links_hash) {
+    if (entry.stored != nullptr) {
+      remove_.Bind(1, entry.row).Run();
+      carried_.Remove(entry.row);
+    }
     const Features& features = keyframe.features;
     insert_.Bind(1, entry.row).Bind(2, map).Bind(3, atlas_).Bind(4, ToColumn(keyframe.id));
     insert_.Bind(5, entry.unique ? ToReference(keyframe.id) : std::nullopt).Bind(6, hash).Bind(7, links_hash);
@@ -63,23 +68,22 @@ class KeyframeWriter {
     details_.Clear();
     detail::EncodeDetails(keyframe, details_);
     insert_.BindBlob(41, details_.bytes()).Run();
-    if (entry.stored != nullptr) carried_.Remove(entry.row);
     carried_.Write(entry.row, keyframe.carried);
   }
 
  private:
   std::int64_t atlas_;
   CarriedWriter carried_;
-  Statement insert_;
+  Statement remove_, insert_;
   ByteWriter details_, exact_;
 };
 
-// The rows of keyframe_link of one keyframe.
+// The rows of keyframe_link. Flush() after the last.
 class LinkWriter {
  public:
   explicit LinkWriter(SaveContext& context)
       : remove_(context.database, "DELETE FROM keyframe_link WHERE keyframe = ?1", "table keyframe_link"),
-        insert_(context.database, "INSERT INTO keyframe_link VALUES (?1, ?2, ?3, ?4, ?5, ?6)", "table keyframe_link"),
+        insert_(context.database, "keyframe_link", 6),
         database_(context.database) {}
 
   std::uint64_t Remove(std::int64_t row) {
@@ -87,30 +91,26 @@ class LinkWriter {
     return static_cast<std::uint64_t>(sqlite3_changes(database_.handle()));
   }
   std::uint64_t Write(std::int64_t map, std::int64_t row, const KeyFrame& keyframe) {
-    insert_.Bind(1, row).Bind(4, map).BindNull(6);
-    WriteList("child", keyframe.children);
-    insert_.BindText(2, "covisible");
-    for (std::size_t i = 0; i < keyframe.connections.size(); ++i) {
-      const Connection& connection = keyframe.connections[i];
-      insert_.Bind(3, static_cast<std::int64_t>(i)).Bind(5, ToReference(connection.keyframe));
-      insert_.Bind(6, std::int64_t{connection.weight}).Run();
-    }
-    insert_.BindNull(6);
-    WriteList("loop", keyframe.loop_edges);
-    WriteList("merge", keyframe.merge_edges);
+    const auto add = [&](std::string_view kind, std::size_t position, KeyFrameId target, Value weight) {
+      insert_.Add(std::array<Value, 6>{row, kind, static_cast<std::int64_t>(position), map,
+                                       ValueOrNull(ToReference(target)), weight});
+    };
+    const auto add_list = [&](std::string_view kind, const Column<KeyFrameId>& targets) {
+      for (std::size_t i = 0; i < targets.size(); ++i) add(kind, i, targets[i], Value());
+    };
+    add_list("child", keyframe.children);
+    for (std::size_t i = 0; i < keyframe.connections.size(); ++i)
+      add("covisible", i, keyframe.connections[i].keyframe, std::int64_t{keyframe.connections[i].weight});
+    add_list("loop", keyframe.loop_edges);
+    add_list("merge", keyframe.merge_edges);
     return keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
            keyframe.merge_edges.size();
   }
+  void Flush() { insert_.Flush(); }
 
  private:
-  void WriteList(const char* kind, const Column<KeyFrameId>& targets) {
-    insert_.BindText(2, kind);
-    for (std::size_t i = 0; i < targets.size(); ++i) {
-      insert_.Bind(3, static_cast<std::int64_t>(i)).Bind(5, ToReference(targets[i])).Run();
-    }
-  }
-
-  Statement remove_, insert_;
+  Statement remove_;
+  BatchInsert insert_;
   Database& database_;
 };
 
@@ -153,26 +153,22 @@ class GridSources {
   Statement select_;
 };
 
-// Features are packed in parallel, a batch at a time, and inserted by this thread.
+// Features are packed on all threads, and inserted by this one.
 void WriteFeatures(SaveContext& context, const ListPlan& plan, const Map& map, const AtlasHashes::OfMap& hashes,
                    const std::vector<std::size_t>& changed) {
   Statement insert(context.database, "INSERT OR REPLACE INTO keyframe_features VALUES (?1, ?2, ?3)",
                    "table keyframe_features");
-  std::vector<ByteWriter> blobs(kBatch);
-  for (std::size_t begin = 0; begin < changed.size(); begin += kBatch) {
-    const std::size_t count = std::min(kBatch, changed.size() - begin);
-    detail::ParallelFor(count, 1, context.options.threads, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        blobs[i].Clear();
-        EncodeFeatures(map.keyframes[changed[begin + i]], blobs[i]);
-      }
-    });
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t k = changed[begin + i];
-      insert.Bind(1, plan.entries[k].row).Bind(2, hashes.features[k]).BindBlob(3, blobs[i].bytes()).Run();
-    }
-    context.Report(100 * count);
-  }
+  const auto pack = [&](std::size_t i, std::string& bytes) {
+    ByteWriter blob(std::move(bytes));
+    EncodeFeatures(map.keyframes[changed[i]], blob);
+    bytes = blob.Take();
+  };
+  const auto write = [&](std::size_t i, const std::string& bytes) {
+    const std::size_t k = changed[i];
+    insert.Bind(1, plan.entries[k].row).Bind(2, hashes.features[k]).BindBlob(3, std::as_bytes(std::span(bytes))).Run();
+    context.Report(100);
+  };
+  detail::ProduceInOrder<std::string>(changed.size(), context.options.threads, pack, write);
 }
 
 void RemoveKeyframes(SaveContext& context, LinkWriter& links, const std::vector<std::int64_t>& rows) {
@@ -235,6 +231,7 @@ std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, 
     if (old != nullptr) changes.deleted += links.Remove(plan.entries[i].row);
     changes.inserted += links.Write(row, plan.entries[i].row, keyframe);
   }
+  links.Flush();
   context.Report(100 * (plan.entries.size() - changed_features.size()));
   WriteFeatures(context, plan, map, hashes, changed_features);
   std::vector<std::int64_t> rows;

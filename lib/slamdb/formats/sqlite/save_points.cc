@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <deque>
 
+#include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/box_tree.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/save.h"
@@ -11,63 +13,78 @@ namespace {
 
 constexpr std::size_t kReportEvery = 4096;
 
-// One row of the table map_point.
+// The rows of map_point. Flush() after the last.
 class PointWriter {
  public:
   explicit PointWriter(Database& database)
-      : insert_(database,
-                "INSERT OR REPLACE INTO map_point VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
-                "?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26)",
-                "table map_point"),
+      : remove_(database, "DELETE FROM map_point WHERE row = ?1", "table map_point"),
+        insert_(database, "map_point", 26),
         carried_(database, CarriedKind::kPoint) {}
 
   void Write(std::int64_t map, const ListPlan::Entry& entry, const MapPoint& point, std::int64_t hash,
              std::int64_t observations_hash) {
-    insert_.Bind(1, entry.row).Bind(2, map).Bind(3, ToColumn(point.id));
-    insert_.Bind(4, entry.unique ? ToReference(point.id) : std::nullopt).Bind(5, hash).Bind(6, observations_hash);
-    const std::array<float, 8> reals{point.position.x(), point.position.y(), point.position.z(), point.normal.x(),
-                                     point.normal.y(),   point.normal.z(),   point.min_distance, point.max_distance};
-    bool fits = true;
-    for (std::size_t i = 0; i < reals.size(); ++i) {
-      fits = fits && FitsReal(reals[i]);
-      insert_.BindReal(7 + static_cast<int>(i), reals[i]);
+    if (entry.stored != nullptr) {
+      remove_.Bind(1, entry.row).Run();
+      carried_.Remove(entry.row);
     }
-    insert_.Bind(15, ToReference(point.reference)).Bind(16, ToReference(point.replaced_by));
-    insert_.Bind(17, point.first_keyframe).Bind(18, point.first_frame).Bind(19, std::int64_t{point.observation_count});
-    insert_.Bind(20, std::int64_t{point.bad.recorded}).BindBlob(21, std::as_bytes(std::span(point.descriptor)));
-    insert_.Bind(22, std::int64_t{static_cast<std::uint8_t>(point.descriptor_form)});
-    if (fits) {
-      insert_.BindNull(23);
-    } else {
-      insert_.BindBlob(23, std::as_bytes(std::span(reals)));
-    }
-    BindRecorded(24, point.origin_map, MapPoint::kNoOrigin);
-    BindRecorded(25, point.visible_count, MapPoint::kNoCount);
-    BindRecorded(26, point.found_count, MapPoint::kNoCount);
-    insert_.Run();
-    if (entry.stored != nullptr) carried_.Remove(entry.row);
+    const Reals reals{point.position.x(), point.position.y(), point.position.z(), point.normal.x(),
+                      point.normal.y(),   point.normal.z(),   point.min_distance, point.max_distance};
+    insert_.Add(std::array<Value, 26>{entry.row,
+                                      map,
+                                      ToColumn(point.id),
+                                      ValueOrNull(entry.unique ? ToReference(point.id) : std::nullopt),
+                                      hash,
+                                      observations_hash,
+                                      reals[0],
+                                      reals[1],
+                                      reals[2],
+                                      reals[3],
+                                      reals[4],
+                                      reals[5],
+                                      reals[6],
+                                      reals[7],
+                                      ValueOrNull(ToReference(point.reference)),
+                                      ValueOrNull(ToReference(point.replaced_by)),
+                                      point.first_keyframe,
+                                      point.first_frame,
+                                      std::int64_t{point.observation_count},
+                                      std::int64_t{point.bad.recorded},
+                                      Bytes(std::as_bytes(std::span(point.descriptor))),
+                                      std::int64_t{static_cast<std::uint8_t>(point.descriptor_form)},
+                                      ExactOf(reals),
+                                      Recorded(point.origin_map, MapPoint::kNoOrigin),
+                                      Recorded(point.visible_count, MapPoint::kNoCount),
+                                      Recorded(point.found_count, MapPoint::kNoCount)});
     carried_.Write(entry.row, point.carried);
   }
+  void Flush() { insert_.Flush(); }
 
  private:
+  using Reals = std::array<float, 8>;
+
+  // What REAL columns do not keep.
+  Value ExactOf(const Reals& reals) {
+    if (std::ranges::all_of(reals, [](float value) { return FitsReal(value); })) return Value();
+    return Bytes(std::as_bytes(std::span(exact_.emplace_back(reals))));
+  }
   template <class Integer>
-  void BindRecorded(int column, Integer value, Integer not_recorded) {
-    insert_.Bind(column, value == not_recorded ? std::nullopt : std::optional<std::int64_t>(value));
+  static Value Recorded(Integer value, Integer not_recorded) {
+    return value == not_recorded ? Value() : Value(std::int64_t{value});
   }
 
-  Statement insert_;
+  Statement remove_;
+  BatchInsert insert_;
   CarriedWriter carried_;
+  std::deque<Reals> exact_;
 };
 
-// The rows of observation. They are many and small, so they go in by the batch: a statement of several rows costs
-// little more than one of a single row. Flush() after the last.
+// The rows of observation. Flush() after the last.
 class ObservationWriter {
  public:
   explicit ObservationWriter(Database& database)
       : database_(database),
         remove_(database, "DELETE FROM observation WHERE point = ?1", "table observation"),
-        insert_(database, InsertOf(1), "table observation"),
-        insert_batch_(database, InsertOf(kBatch), "table observation") {}
+        insert_(database, "observation", 6) {}
 
   std::uint64_t Remove(std::int64_t row) {
     remove_.Bind(1, row).Run();
@@ -75,43 +92,19 @@ class ObservationWriter {
   }
   void Write(std::int64_t map, std::int64_t row, const Column<Observation>& observations) {
     const auto keypoint = [](std::int32_t index) {
-      return index == Observation::kAbsent ? std::nullopt : std::optional<std::int64_t>(index);
+      return index == Observation::kAbsent ? Value() : Value(std::int64_t{index});
     };
-    for (std::size_t i = 0; i < observations.size(); ++i) {
-      const Observation& observation = observations[i];
-      rows_.push_back({row, static_cast<std::int64_t>(i), map, ToReference(observation.keyframe),
-                       keypoint(observation.left), keypoint(observation.right)});
-      if (rows_.size() == kBatch) {
-        for (std::size_t k = 0; k < kBatch; ++k) BindRow(insert_batch_, static_cast<int>(k), rows_[k]);
-        insert_batch_.Run();
-        rows_.clear();
-      }
-    }
+    std::int64_t position = 0;
+    for (const Observation& observation : observations)
+      insert_.Add(std::array<Value, 6>{row, position++, map, ValueOrNull(ToReference(observation.keyframe)),
+                                       keypoint(observation.left), keypoint(observation.right)});
   }
-  void Flush() {
-    for (const Row& row : rows_) {
-      BindRow(insert_, 0, row);
-      insert_.Run();
-    }
-    rows_.clear();
-  }
+  void Flush() { insert_.Flush(); }
 
  private:
-  static constexpr std::size_t kBatch = 64;
-  using Row = std::array<std::optional<std::int64_t>, 6>;
-
-  static std::string InsertOf(std::size_t rows) {
-    std::string sql = "INSERT INTO observation VALUES (?, ?, ?, ?, ?, ?)";
-    for (std::size_t i = 1; i < rows; ++i) sql += ", (?, ?, ?, ?, ?, ?)";
-    return sql;
-  }
-  static void BindRow(Statement& statement, int index, const Row& row) {
-    for (int i = 0; i < 6; ++i) statement.Bind(6 * index + i + 1, row[static_cast<std::size_t>(i)]);
-  }
-
   Database& database_;
-  Statement remove_, insert_, insert_batch_;
-  std::vector<Row> rows_;
+  Statement remove_;
+  BatchInsert insert_;
 };
 
 // Brings the R*Tree up to date with the points that changed. Points with a NaN coordinate are not in it.
@@ -160,6 +153,7 @@ std::vector<std::size_t> WritePoints(SaveContext& context, std::int64_t row, con
     if (!same_row) changed.push_back(i);
     if (i % kReportEvery == kReportEvery - 1) context.Report(kReportEvery / 2);
   }
+  points.Flush();
   return changed;
 }
 

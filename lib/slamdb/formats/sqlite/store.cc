@@ -14,6 +14,7 @@
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/new_store.h"
 #include "slamdb/formats/sqlite/detail/places.h"
 #include "slamdb/formats/sqlite/detail/salvage.h"
 #include "slamdb/formats/sqlite/detail/save.h"
@@ -30,9 +31,6 @@ namespace {
 constexpr int kLoadAttempts = 5;    // when another program saves the same atlas again and again meanwhile
 constexpr int kOpenAttempts = 100;  // when others make the store and remove it again, because their saves failed
 
-// Measured: 4 to 16 KiB load and save alike; larger pages make the many small rows slower and small stores larger.
-constexpr const char* kNewFile = "PRAGMA page_size=8192";
-
 // So that every name can be given as store.db#NAME, and be shown.
 void CheckName(const Database& database, const std::string& name) {
   if (IsNameOfAtlas(name)) return;
@@ -48,46 +46,6 @@ void CheckNotStandardStream(const std::string& path) {
   if (path == "-") throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be standard input or output");
   if (detail::IsStream(path))
     throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be a FIFO, a device or a socket");
-}
-
-bool IsEmpty(Database& database) { return database.Integer("SELECT count(*) FROM sqlite_schema") == 0; }
-
-bool IsUnused(Database& database) { return IsEmpty(database) || database.Integer("SELECT count(*) FROM history") == 0; }
-
-// A log, and nothing in it yet: what a store is before its first transaction is committed.
-bool IsBeingMade(Database& database) {
-  if (database.is_image() || database.Integer("PRAGMA application_id") != 0 || !IsEmpty(database)) return false;
-  Statement mode(database, "PRAGMA journal_mode");
-  return mode.Step() && mode.Text(0) == "wal";
-}
-
-// Waits for who makes the store. The index of the log lies there while a program has it open; without one this may be
-// what a power cut left, or the moment before the index is made.
-void WaitUntilMade(Database& database, bool had_index) {
-  constexpr double kMoment = 0.1;
-  Waiting waiting(had_index ? database.lock_timeout() : std::min(kMoment, database.lock_timeout()));
-  for (int attempt = 0; IsBeingMade(database) && StillThere(database) && waiting.Pause(attempt);) ++attempt;
-}
-
-void CreateSchema(Database& database) {
-  database.Execute(kNewFile);
-  database.UseLog();
-  WriteTransaction transaction(database);
-  if (!IsEmpty(database)) return;  // another program was faster
-  RunMigrations(database, Migrations());
-  transaction.Commit();
-}
-
-void PrepareToWrite(Database& database, const StoreOptions& options) {
-  // 64 MiB of cache: the pages that a save touches again and again. Deleted content need not be overwritten.
-  database.Execute(
-      "PRAGMA cache_size=-65536; PRAGMA secure_delete=OFF; PRAGMA foreign_keys=OFF; PRAGMA temp_store=MEMORY");
-  // EXTRA syncs the folder when the journal of a new store's first page goes. One that a power cut brought back would
-  // undo that page, and with it all that stands in the log by then.
-  database.Execute(options.sync ? "PRAGMA synchronous=EXTRA" : "PRAGMA synchronous=OFF");
-  if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database);
-  CheckIsStore(database, NewestVersion());
-  database.UseLog();
 }
 
 void Record(Database& database, const char* action, const std::string& name, const std::string& provenance,
@@ -169,6 +127,16 @@ struct Store::State {
     }
   }
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options);
+  SaveReport SaveUnderLock(const std::string& name, const Atlas& atlas, const AtlasHashes& hashes, bool was_edited,
+                           const SaveOptions& save_options);
+  // Without a log, which is for readers of what is there, a save writes each page once and not twice. Where others came
+  // to the store meanwhile, the log stays.
+  void LeaveLog() { sqlite3_exec(database.handle(), "PRAGMA journal_mode=DELETE", nullptr, nullptr, nullptr); }
+  // And opens it, as long as the store has the name that this connection knows. Where somebody reads already, the next
+  // who writes does it.
+  void ReturnToLog() {
+    sqlite3_exec(database.handle(), "PRAGMA journal_mode=WAL; SELECT 1 FROM atlas LIMIT 1", nullptr, nullptr, nullptr);
+  }
   // Whether every row holds what its hash says. What another program saves meanwhile does.
   bool IsWhole(const std::string& name, int threads) {
     try {
@@ -237,7 +205,7 @@ Store::State Store::State::ToWrite(const std::string& path, const StoreOptions& 
     const bool is_new = !std::filesystem::exists(path, ignored);
     State state{Database(path, Access::kCreate, options.lock_timeout, options.progress), options, true, is_new};
     try {
-      PrepareToWrite(state.database, options);
+      PrepareToWrite(state.database, options.sync);
       state.opened_unused = IsUnused(state.database);
       return state;
     } catch (const Error&) {
@@ -307,10 +275,18 @@ SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const
   CheckName(database, name);
   detail::EnterOutput(database.path(), name);
   const AtlasHashes hashes = detail::HashesOf(atlas, save_options.threads);
-  SaveReport report;
   // Before the lock, for which others wait, and with every core.
   const bool was_edited =
       save_options.verify && save_options.overwrite && Has(name) && !IsWhole(name, save_options.threads);
+  if (!made) return SaveUnderLock(name, atlas, hashes, was_edited, save_options);
+  LeaveLog();
+  SaveReport report = SaveUnderLock(name, atlas, hashes, was_edited, save_options);
+  ReturnToLog();
+  return report;
+}
+
+SaveReport Store::State::SaveUnderLock(const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
+                                       bool was_edited, const SaveOptions& save_options) {
   WriteTransaction transaction = Lock();
   if (save_options.keep_equal && Holds(name, hashes.Combined())) {
     transaction.Commit();
@@ -324,6 +300,7 @@ SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const
     ChangeCounter uncounted;
     DeleteAtlas(database, RowOf(name), uncounted);
   }
+  SaveReport report;
   SaveAtlas(database, name, atlas, hashes, save_options, report);
   report.replaced = report.replaced || edited;
   Record(database, "save", name, save_options.provenance, report.Total());

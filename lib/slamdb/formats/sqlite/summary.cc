@@ -3,11 +3,13 @@
 
 #include <cmath>
 #include <optional>
+#include <unordered_map>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/formats/sqlite/detail/statistics.h"
+#include "slamdb/formats/sqlite/detail/visit_rows.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -46,41 +48,49 @@ std::uint64_t BytesOf(Database& database, std::int64_t atlas) {
   return bytes;
 }
 
-// What rows can be there at most, by the highest of each map.
-class MostRows {
- public:
-  explicit MostRows(Database& database)
-      : statement_(database,
-                   Concat("SELECT count(*), ", Most("keyframe"), ", ", Most("map_point"), ", ", Most("landmark"),
-                          " FROM map WHERE atlas = ?1"),
-                   "table map") {}
-
-  // What the row of the atlas says that cannot be; empty: nothing.
-  std::string ProblemOf(std::int64_t row, const StoredAtlas& atlas) {
-    statement_.Bind(1, row).Step();
-    int column = 0;
-    std::string problem;
-    const auto check = [&](std::string_view what, std::uint64_t told) {
-      const auto most = static_cast<std::uint64_t>(statement_.Integer(column++));
-      if (told > most && problem.empty())
-        problem = Concat(static_cast<std::int64_t>(told), " ", what, " where at most ", most, " can be");
-    };
-    check("maps", atlas.maps);
-    check("keyframes", atlas.keyframes);
-    check("points", atlas.points);
-    check("landmarks", atlas.landmarks);
-    statement_.Reset();
-    return problem;
-  }
-
- private:
-  static std::string Most(std::string_view table) {
-    return Concat("coalesce(sum((SELECT max(row) + 1 FROM ", table,
-                  " WHERE row BETWEEN map.row << 32 AND (map.row << 32) + 4294967295) - (map.row << 32)), 0)");
-  }
-
-  Statement statement_;
+// What rows of an atlas can be there at most.
+struct MostRows {
+  std::uint64_t maps = 0, keyframes = 0, points = 0, landmarks = 0;
 };
+
+// Of each atlas, by its row: by the highest row of each map.
+std::unordered_map<std::int64_t, MostRows> CountMostRows(Database& database) {
+  const auto highest = [](std::string_view table) {
+    return Concat(", (SELECT row FROM ", table,
+                  " WHERE row BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 ORDER BY row DESC LIMIT 1)");
+  };
+  Statement maps(database,
+                 Concat("SELECT slamdb_visit(?1, atlas, row", highest("keyframe"), highest("map_point"),
+                        highest("landmark"), ") FROM map"),
+                 "table map");
+  std::unordered_map<std::int64_t, MostRows> most;
+  VisitRows(maps, [&most](const Row& map) {
+    const auto rows_up_to = [&](int column) {
+      return map.IsNull(column) ? 0
+                                : static_cast<std::uint64_t>(map.Integer(column) - FirstRowOfMap(map.Integer(1)) + 1);
+    };
+    MostRows& of = most[map.Integer(0)];
+    ++of.maps;
+    of.keyframes += rows_up_to(2);
+    of.points += rows_up_to(3);
+    of.landmarks += rows_up_to(4);
+  });
+  return most;
+}
+
+// What the row of the atlas says that cannot be; empty: nothing.
+std::string ProblemOf(const StoredAtlas& atlas, const MostRows& most) {
+  std::string problem;
+  const auto check = [&](std::string_view what, std::uint64_t told, std::uint64_t at_most) {
+    if (told > at_most && problem.empty())
+      problem = Concat(static_cast<std::int64_t>(told), " ", what, " where at most ", at_most, " can be");
+  };
+  check("maps", atlas.maps, most.maps);
+  check("keyframes", atlas.keyframes, most.keyframes);
+  check("points", atlas.points, most.points);
+  check("landmarks", atlas.landmarks, most.landmarks);
+  return problem;
+}
 
 // As far as it can be told without the rows.
 std::string ProblemOf(const StoredAtlas& atlas) {
@@ -134,7 +144,7 @@ std::vector<StoredAtlas> ListAtlases(Database& database) {
                       "FROM atlas ORDER BY name",
                       "table atlas");
   std::vector<StoredAtlas> atlases;
-  MostRows most(database);
+  std::unordered_map<std::int64_t, MostRows> most = CountMostRows(database);
   while (statement.Step()) {
     StoredAtlas& atlas = atlases.emplace_back();
     int column = 1;
@@ -157,7 +167,7 @@ std::vector<StoredAtlas> ListAtlases(Database& database) {
       atlas.end_time = RealOrNone(statement, column++);
       atlas.bytes = number();
     }
-    atlas.problem = most.ProblemOf(statement.Integer(0), atlas);
+    atlas.problem = ProblemOf(atlas, most[statement.Integer(0)]);
     if (atlas.problem.empty()) atlas.problem = ProblemOf(atlas);
   }
   return atlases;

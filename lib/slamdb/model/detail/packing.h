@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
@@ -21,6 +22,10 @@ static_assert(std::endian::native == std::endian::little, "hashes and the store'
 // Bytes that grow. Kept and cleared between uses, so that its memory is allocated once.
 class ByteWriter {
  public:
+  ByteWriter() = default;
+  explicit ByteWriter(std::string bytes) : bytes_(std::move(bytes)) {}  // goes on behind them
+
+  std::string Take() { return std::move(bytes_); }
   Bytes bytes() const { return std::as_bytes(std::span(bytes_)); }
   void Clear() { bytes_.clear(); }
 

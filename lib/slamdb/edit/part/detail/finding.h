@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "slamdb/edit/part/detail/remains.h"
@@ -43,12 +44,19 @@ class Finding {
   struct Place {
     std::vector<Seer> seers;                                    // the most words first, then by keyframe
     std::vector<std::pair<std::uint32_t, std::uint32_t>> rows;  // keyframe -> row of seers, ascending
+    std::size_t gone = 0;                                       // of the seers
     double value = 0;                                           // 0 to 1: how sure a camera is found there
   };
 
-  void CountPoints(std::uint32_t place, std::span<const std::uint32_t> shown);
+  void CountPoints(std::span<const std::vector<std::uint32_t>> shown);
+  // Points that stay, ascending: those a keyframe sees, and those a picture from there shows beside them.
+  std::vector<std::uint32_t> ShownFrom(std::uint32_t place, std::span<const std::uint32_t> beside) const;
   void CountWords(int threads);
   void SetWords(std::uint32_t place, std::span<const std::uint32_t> sharing, std::span<const std::uint32_t> common);
+  static void ListRows(Place& place);
+  std::span<const std::uint32_t> PlacesThatShow(std::uint32_t point) const {
+    return {shown_at_.data() + shown_begins_[point], shown_at_.data() + shown_begins_[point + 1]};
+  }
   // Takes points away, or brings them back.
   void Change(std::span<const std::uint32_t> points, std::uint32_t by);
   double ValueOf(const Place& place, std::uint32_t without) const;
@@ -56,7 +64,8 @@ class Finding {
   const Remains& remains_;
   const double sure_;                                  // points with which every second camera is found
   std::vector<Place> places_;                          // by keyframe
-  std::vector<std::vector<std::uint32_t>> shown_at_;   // by point: places
+  std::vector<std::size_t> shown_begins_;              // by point: of its places
+  std::vector<std::uint32_t> shown_at_;                // places, point by point
   std::vector<std::vector<std::uint32_t>> places_of_;  // by keyframe: places that it is a seer of
 };
 

@@ -36,10 +36,9 @@ class ArchivePlan {
   std::size_t size() const { return segments_.size(); }
   // How many threads of those asked for pay: one where no list is longer than a segment.
   int ThreadsThatPay(int requested) const;
-  // Appends segment `i` of a text or a binary archive to the buffer, which may refer to the atlas. Thread-safe. Throws
-  // Error when an id does not fit the encoding.
-  void Encode(std::size_t i, Column<char>& text) const;
-  void Encode(std::size_t i, detail::Pieces& binary) const;
+  // Appends segment `i` to the buffer, which may refer to the atlas. Returns false when it is text with `nan` or `inf`,
+  // which Boost does not read. Thread-safe. Throws Error when an id does not fit the encoding.
+  bool Encode(std::size_t i, detail::Pieces& buffer) const;
 
  private:
   struct MapObjects {

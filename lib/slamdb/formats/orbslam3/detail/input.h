@@ -2,7 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <charconv>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -13,6 +13,8 @@
 #include "slamdb/base/detail/file_stream.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/class_table.h"
+#include "slamdb/formats/orbslam3/detail/digits.h"
+#include "slamdb/formats/orbslam3/detail/float_text.h"
 
 // The two token layers that decoding stands on: bounded cursors over a binary and over a text archive. They have the
 // same functions; every one checks the bytes left and throws Error with byte offset and object path. Both are small
@@ -235,16 +237,17 @@ class TextInput : public Cursor {
 
   template <class T>
   T Take() {
-    const char* const token = SkipSpace();
-    if constexpr (std::is_integral_v<T>) {
-      return TakeInteger<T>(token);
-    } else {
-      return TakeFloat<T>(token);
-    }
+    T value;
+    if (end_ - next_ < kLongestToken || *next_ != ' ' || !TakeUsual(value)) [[unlikely]]
+      value = TakeAny<T>();
+    return value;
   }
   template <class T>
   void TakeArray(T* values, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) values[i] = Take<T>();
+    if constexpr (std::is_same_v<T, std::uint8_t>)
+      TakeBytes(values, count);
+    else
+      for (std::size_t i = 0; i < count; ++i) values[i] = Take<T>();
   }
   template <class T>
   void SkipArray(std::size_t count) {
@@ -317,19 +320,48 @@ class TextInput : public Cursor {
   }
   [[noreturn]] void FailToken() const;
 
+  // Takes a token as nearly all are, behind one space and in front of one, with kLongestToken bytes to look at. False,
+  // and takes nothing, where it is another: TakeAny knows all of them, and their errors.
+  template <class T>
+  bool TakeUsual(T& value) {
+    if constexpr (std::is_integral_v<T>) {
+      return TakeShortInteger(value);
+    } else {
+      const char* const parsed = ReadScientific(next_ + 1, value);
+      if (parsed != nullptr) next_ = parsed;
+      return parsed != nullptr;
+    }
+  }
+  // Of up to seven digits.
+  template <class T>
+  bool TakeShortInteger(T& value) {
+    const char* begin = next_ + 1;
+    const bool minus = std::is_signed_v<T> && *begin == '-';
+    if (minus) ++begin;
+    const std::uint64_t digits = LoadWord(begin) ^ kZeroDigits;
+    const std::uint64_t behind = MarkAboveNine(digits);
+    if (behind == 0) return false;
+    const auto length = static_cast<unsigned>(std::countr_zero(behind)) / 8;
+    if (length == 0 || begin[length] != ' ') return false;
+    const std::uint32_t number = JoinDigits(digits << (64 - 8 * length));
+    if (*begin == '0' && (length > 1 || minus)) return false;
+    if (number > static_cast<std::uint64_t>(std::numeric_limits<T>::max())) return false;
+    value = static_cast<T>(minus ? -static_cast<std::int64_t>(number) : number);
+    next_ = begin + length;
+    return true;
+  }
+  void TakeBytes(std::uint8_t* values, std::size_t count);
+  std::uint8_t* TakeUsualBytes(std::uint8_t* values, std::uint8_t* end);
+
+  template <class T>
+  [[gnu::cold, gnu::noinline]] T TakeAny();
   // Nobody writes a number with a zero in front of other digits: a digit was changed.
   static bool HasZeroInFront(const char* token, const char* parsed) {
     if (*token == '-') ++token;
     return *token == '0' && parsed - token > 1 && token[1] >= '0' && token[1] <= '9';
   }
   template <class T>
-  T TakeInteger(const char* token) {
-    T value{};
-    const auto [parsed, error] = std::from_chars(token, end_, value);
-    const bool minus_zero = value == 0 && *token == '-';
-    Finish(parsed, error == std::errc() && !minus_zero && !HasZeroInFront(token, parsed));
-    return value;
-  }
+  T TakeInteger(const char* token);
   template <class T>
   T TakeFloat(const char* token);
 };

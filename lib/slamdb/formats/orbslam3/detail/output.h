@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -11,7 +13,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "slamdb/base/column.h"
 #include "slamdb/base/detail/pieces.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/orbslam3/detail/float_text.h"
@@ -48,10 +49,9 @@ void PutEach(Output& output, std::size_t count, Next next) {
 // Adds to pieces. A large column is referred to where it outlives them; otherwise it is copied.
 class BinaryOutput {
  public:
-  using Buffer = detail::Pieces;
   static constexpr bool kText = false;
   enum class Columns { kCopied, kReferredTo };
-  BinaryOutput(Buffer& buffer, const ArchiveEncoding& encoding, Columns columns = Columns::kCopied)
+  BinaryOutput(detail::Pieces& buffer, const ArchiveEncoding& encoding, Columns columns = Columns::kCopied)
       : buffer_(buffer), encoding_(encoding), refers_(columns == Columns::kReferredTo) {}
 
   template <class T>
@@ -130,25 +130,28 @@ class BinaryOutput {
   void PutObjectId(std::uint32_t id, bool /*is_new*/) { Put(id); }
   void PutEnd() {}
   void PutRaw(std::string_view bytes) { PutArray(bytes.data(), bytes.size()); }
-  // Writes what was put and takes it away, if it is more than `least` bytes.
-  template <class Write>
-  void Flush(std::size_t least, const Write& write) {
-    if (buffer_.collected() <= least) return;
-    buffer_.ForEach(write);
-    buffer_.clear();
-  }
 
  private:
-  Buffer& buffer_;
+  detail::Pieces& buffer_;
   const ArchiveEncoding& encoding_;
   const bool refers_;
 };
 
+// A space and the digits of 0 to 999, which most numbers are: the text in the lower bytes, its length in the highest.
+inline constexpr std::array<std::uint64_t, 1000> kShortTokens = [] {
+  std::array<std::uint64_t, 1000> tokens{};
+  for (std::uint64_t number = 0; number < tokens.size(); ++number) {
+    std::uint64_t text = '0' + number % 10, length = 2;
+    for (std::uint64_t left = number / 10; left > 0; left /= 10, ++length) text = text << 8 | ('0' + left % 10);
+    tokens[number] = length << 56 | text << 8 | ' ';
+  }
+  return tokens;
+}();
+
 class TextOutput {
  public:
-  using Buffer = Column<char>;
   static constexpr bool kText = true;
-  TextOutput(Column<char>& buffer, const ArchiveEncoding& encoding) : buffer_(buffer), encoding_(encoding) {}
+  TextOutput(detail::Pieces& buffer, const ArchiveEncoding& encoding) : buffer_(buffer), encoding_(encoding) {}
 
   template <class T>
   void Put(T value) {
@@ -156,12 +159,10 @@ class TextOutput {
   }
   template <class T>
   void PutArray(const T* values, std::size_t count) {
-    constexpr std::size_t kLongest = sizeof(T) == 1 ? 4 : 26;  // a space and `-2.22507385850720138e-308`
-    const std::size_t size = buffer_.size();
-    buffer_.resize(size + count * kLongest);
-    char* next = buffer_.data() + size;
-    for (std::size_t i = 0; i < count; ++i) next = Token(next, values[i]);
-    buffer_.resize(static_cast<std::size_t>(next - buffer_.data()));
+    PutTokens(count * kLongest<T>, [&](char* next) {
+      for (std::size_t i = 0; i < count; ++i) next = Token(next, values[i]);
+      return next;
+    });
   }
   void PutUnsignedLong(std::uint64_t value) { Put(encoding_.long_bytes == 8 ? value : Narrow(value)); }
   void PutLong(std::int64_t value) { Put(value); }
@@ -176,63 +177,72 @@ class TextOutput {
   }
   void PutSizeVectors(std::span<const std::uint32_t> lengths, const std::uint64_t* entries, std::size_t /*left*/) {
     for (const std::uint32_t length : lengths) {
-      PutSize(length);
-      Put(std::uint32_t{0});  // an item version
-      PutSizes(entries, length);
-      entries += length;
+      PutTokens((std::size_t{2} + length) * kLongest<std::uint64_t>, [&](char* next) {
+        next = Token(next, length);
+        next = Token(next, 0);  // an item version
+        for (const std::uint64_t* const end = entries + length; entries != end; ++entries) next = Token(next, *entries);
+        return next;
+      });
     }
   }
   void PutString(std::string_view text) {
     Put(static_cast<std::uint64_t>(text.size()));
-    buffer_.push_back(' ');
-    buffer_.insert(buffer_.end(), text.begin(), text.end());
+    PutRaw(" ");
+    PutRaw(text);
   }
   // Boost begins a line in front of each new object.
   void PutObjectId(std::uint32_t id, bool is_new) {
-    const std::size_t space = buffer_.size();
-    Put(id);
-    if (is_new) buffer_[space] = '\n';
+    PutTokens(kLongest<std::uint32_t>, [&](char* begin) {
+      char* const end = Token(begin, id);
+      if (is_new) *begin = '\n';
+      return end;
+    });
   }
-  void PutEnd() { buffer_.push_back('\n'); }
-  void PutRaw(std::string_view text) { buffer_.insert(buffer_.end(), text.begin(), text.end()); }
-  template <class Write>
-  void Flush(std::size_t least, const Write& write) {
-    if (buffer_.size() <= least) return;
-    write(std::as_bytes(std::span(buffer_)));
-    buffer_.clear();
-  }
+  void PutEnd() { PutRaw("\n"); }
+  void PutRaw(std::string_view text) { std::copy(text.begin(), text.end(), buffer_.Extend(text.size())); }
+
+  // Whether there was no NaN or infinity.
+  bool all_finite() const { return all_finite_; }
 
  private:
+  // A space and a number.
   template <class T>
-  char* Token(char* next, T value) const {
-    *next++ = ' ';
-    if constexpr (std::is_same_v<T, std::uint8_t>) {
-      return ByteToken(next, value);
-    } else if constexpr (std::is_integral_v<T>) {
+  static constexpr std::size_t kLongest = std::is_same_v<T, std::uint8_t> ? 4 : 26;  // ` -2.22507385850720138e-308`
+
+  // put(begin) writes tokens of at most so many bytes and returns their end; it may write a few bytes beyond.
+  template <class Write>
+  void PutTokens(std::size_t most, const Write& put) {
+    const std::size_t room = most + kLongestScientific;
+    char* const begin = buffer_.Extend(room);
+    buffer_.Shorten(static_cast<std::size_t>(begin + room - put(begin)));
+  }
+  template <class T>
+  char* Token(char* next, T value) {
+    if constexpr (std::is_integral_v<T>) {
+      if (static_cast<std::uint64_t>(value) < kShortTokens.size()) {
+        const std::uint64_t token = kShortTokens[static_cast<std::size_t>(value)];
+        std::memcpy(next, &token, sizeof(token));
+        return next + (token >> 56);
+      }
+      *next++ = ' ';
       return std::to_chars(next, next + 21, value).ptr;
     } else {
+      *next++ = ' ';
       return FloatToken(next, value);
     }
   }
-  static char* ByteToken(char* next, std::uint8_t value) {
-    if (value >= 100) *next++ = static_cast<char>('0' + value / 100);
-    if (value >= 10) *next++ = static_cast<char>('0' + value / 10 % 10);
-    *next++ = static_cast<char>('0' + value % 10);
-    return next;
-  }
   template <class T>
-  char* FloatToken(char* next, T value) const {
+  char* FloatToken(char* next, T value) {
+    if (!std::isfinite(value)) all_finite_ = false;
     // Boost before 1.56 wrote one digit less, in the shorter of two notations.
     if (encoding_.boost_version <= 10)
       return std::to_chars(next, next + 25, value, std::chars_format::general, std::is_same_v<T, float> ? 8 : 17).ptr;
-    if constexpr (std::is_same_v<T, float>)
-      return WriteScientific(next, value);
-    else
-      return std::to_chars(next, next + 25, value, std::chars_format::scientific, 17).ptr;
+    return WriteScientific(next, value);
   }
 
-  Column<char>& buffer_;
+  detail::Pieces& buffer_;
   const ArchiveEncoding& encoding_;
+  bool all_finite_ = true;
 };
 
 // Writes nothing: an encoder over it only keeps the class table.

@@ -133,6 +133,7 @@ class Statement {
   Statement& BindText(int index, std::string_view value);
   Statement& BindBlob(int index, Bytes value);
   Statement& BindNull(int index);
+  Statement& BindPointer(int index, void* value, const char* type);  // for a virtual table that knows the type
 
   bool Step();  // true: a row is there
   void Reset();

@@ -122,23 +122,24 @@ void RequireSame(Database& database, const char* table, std::int64_t row, std::u
 
 // Real numbers of a row, exact in `values`, and as far as columns can hold them in those from `first` on, where NULL
 // stands for NaN. What somebody edited is the columns: false when they differ, and `values` are then those.
-template <class Value, std::size_t size>
-bool TakeColumns(const Statement& statement, int first, std::array<Value, size>& values) {
+template <class Columns, class Value, std::size_t size>
+bool TakeColumns(const Columns& columns, int first, std::array<Value, size>& values) {
   bool same = true;
   for (std::size_t i = 0; i < size; ++i) {
     const int column = first + static_cast<int>(i);
-    const bool is_null = statement.IsNull(column);
-    if (values[i] == values[i] ? !is_null && statement.Real(column) == static_cast<double>(values[i]) : is_null)
-      continue;
-    values[i] = is_null ? std::numeric_limits<Value>::quiet_NaN() : static_cast<Value>(statement.Real(column));
+    const bool is_null = columns.IsNull(column);
+    if (values[i] == values[i] ? !is_null && columns.Real(column) == static_cast<double>(values[i]) : is_null) continue;
+    values[i] = is_null ? std::numeric_limits<Value>::quiet_NaN() : static_cast<Value>(columns.Real(column));
     same = false;
   }
   return same;
 }
 
-template <class Entity>
-Entity FromReference(const Statement& statement, int column) {
-  return statement.IsNull(column) ? Entity() : Entity(static_cast<std::uint64_t>(statement.Integer(column)));
+// The entity that a column of a Statement or Row names, none where it is NULL.
+template <class Entity, class Columns>
+Entity FromReference(const Columns& columns, int column) {
+  const std::int64_t id = columns.Integer(column);  // 0 for NULL, too: rare enough to look twice
+  return id == 0 && columns.IsNull(column) ? Entity() : Entity(static_cast<std::uint64_t>(id));
 }
 
 }  // namespace slamdb::sqlite

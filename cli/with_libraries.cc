@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/libraries.h"
+
+namespace slamdb::cli {
+
+void GoOnWithLibraries() {}
+
+}  // namespace slamdb::cli

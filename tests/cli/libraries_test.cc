@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What the command loads to start, and the program with the libraries that it leaves out.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+constexpr const char* kSession = SLAMDB_FIXTURES "/session_small_a/session_small_a.osa";
+
+TEST(Libraries, WhatStartsTheCommandNeedsNoneThatDrawsSolvesOrReadsPictures) {
+  const ProcessResult found = RunProgram({"readelf", "-d", SLAMDB_COMMAND});
+  if (found.exit_code == 127) GTEST_SKIP() << "readelf is not there";
+  EXPECT_THAT(found.out, HasSubstr("libsqlite3"));
+  for (const char* library : {"cairo", "glog", "cholmod", "lapack", "opencv", "png", "jpeg"})
+    EXPECT_THAT(found.out, Not(HasSubstr(library)));
+}
+
+TEST(Libraries, AVerbGoesOnWithThemWhereverTheCommandIsCalledFrom) {
+  const TemporaryFolder folder;
+  const fs::path link = folder.path() / "command", plot = folder.path() / "plot.svg";
+  fs::create_symlink(SLAMDB_COMMAND, link);
+  const ProcessResult drawn = RunProgram({link, "plot", "-", "-o", plot}, ReadWholeFile(kSession));
+  if (drawn.err.find("built without Cairo") != std::string::npos) GTEST_SKIP() << "needs Cairo";
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_THAT(ReadWholeFile(plot), HasSubstr("<svg"));
+}
+
+// As when somebody has copied the one file.
+TEST(Libraries, OfTheCommandAloneAllOtherVerbsWork) {
+  const TemporaryFolder folder;
+  const fs::path alone = folder.path() / "bin" / "slamdb", plot = folder.path() / "plot.svg";
+  fs::create_directory(alone.parent_path());
+  fs::copy_file(SLAMDB_COMMAND, alone);
+  EXPECT_EQ(RunProgram({alone, "check", "--quiet", kSession}).exit_code, 0);
+  const ProcessResult refused = RunProgram({alone, "plot", kSession, "-o", plot});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr((folder.path() / "libexec/slamdb/slamdb").string()), HasSubstr("Cairo"),
+                                 HasSubstr("No such file")));
+  EXPECT_FALSE(fs::exists(plot));
+}
+
+}  // namespace
+}  // namespace slamdb::testing

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/many/each.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/temporary_folder.h"
+
+namespace slamdb {
+namespace {
+
+using ::testing::ElementsAre;
+
+class EachInput : public ::testing::Test {
+ protected:
+  void Add(const char* name, std::size_t bytes) {
+    folder_.Make(name, std::string(bytes, ' '));
+    inputs_.push_back({.location = Location(folder_ / name, "")});
+  }
+
+  std::vector<int> ThreadsOfEach(int threads) const {
+    const auto outcomes =
+        ForEachInput<int>(inputs_, {.threads = threads},
+                          [](const AtlasInput&, const ReadOptions& read, Notices&) { return read.threads; });
+    std::vector<int> each;
+    for (const auto& outcome : outcomes) each.push_back(outcome.result);
+    return each;
+  }
+
+  TemporaryFolder folder_;
+  std::vector<AtlasInput> inputs_;
+};
+
+TEST_F(EachInput, HasAThreadWhereManyAreAlike) {
+  for (const char* name : {"a", "b", "c", "d"}) Add(name, 1000);
+  EXPECT_THAT(ThreadsOfEach(2), ElementsAre(1, 1, 1, 1));
+}
+
+TEST_F(EachInput, HasAllThreadsWhereItIsMoreThanTheShareOfOne) {
+  for (const char* name : {"a", "b", "c"}) Add(name, 1000);
+  Add("large", 3001);
+  EXPECT_THAT(ThreadsOfEach(2), ElementsAre(1, 1, 1, 2));
+  EXPECT_THAT(ThreadsOfEach(1), ElementsAre(1, 1, 1, 1));
+}
+
+TEST_F(EachInput, WithoutFileIsNotLarge) {
+  Add("a", 1000);
+  inputs_.push_back({.location = Location(folder_ / "nothing", "")});
+  inputs_.push_back({.location = Location(folder_ / "a", "of-a-store")});
+  EXPECT_THAT(ThreadsOfEach(3), ElementsAre(3, 1, 1));
+}
+
+}  // namespace
+}  // namespace slamdb
