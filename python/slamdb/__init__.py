@@ -39,6 +39,7 @@ from .imu import ImuArrays
 from .landmarks import landmarks_from_points, landmarks_to_points
 from .layouts import layouts_from_source, layouts_infer, layouts_list, layouts_show
 from .many import FoundAtlas, find_atlases, list_atlases, summarize, write_file
+from .memory import set_memory_limit, spilled
 from .notebook import View, view
 from .observations import Observations
 from .optimizing import close_loops, optimize
@@ -55,7 +56,8 @@ __all__ = [
     "AccessDeniedError", "AlreadyExistsError", "DamagedError", "Error", "InternalError", "LockedError", "LossWarning",
     "NotFoundError", "NotPossibleError", "OutOfResourcesError", "SlamdbWarning", "UnsupportedError", "UsageError",
     "CheckReport", "Connections", "FoundAtlas", "Observations", "Page", "Report", "Store", "View",
-    "encode", "find_atlases", "info", "list_atlases", "read", "summarize", "view", "write", "write_file",
+    "encode", "find_atlases", "info", "list_atlases", "read", "set_memory_limit", "spilled", "summarize", "view", "write",
+    "write_file",
     "align", "check", "close_loops", "convert", "cull", "diff", "edit_tables", "evaluate", "extract", "fragments",
     "landmarks_from_points", "landmarks_to_points", "layouts_from_source", "layouts_infer", "layouts_list", "layouts_show",
     "locate", "merge", "optimize", "plot", "reassign_origin", "recover", "renumber", "repair", "report", "shrink", "split",

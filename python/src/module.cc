@@ -37,6 +37,7 @@ PYBIND11_MODULE(_slamdb, module) {
   slamdb::python::DefineAtlas(module);
   slamdb::python::DefineFiles(module);
   slamdb::python::DefineMany(module);
+  slamdb::python::DefineMemory(module);
   slamdb::python::DefineStore(module);
   slamdb::python::DefineVerbs(module);
   slamdb::python::DefineRows(module);

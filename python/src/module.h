@@ -13,6 +13,7 @@ void DefineStore(pybind11::module_& module);
 void DefineFiles(pybind11::module_& module);
 void DefineNotebook(pybind11::module_& module);
 void DefineMany(pybind11::module_& module);
+void DefineMemory(pybind11::module_& module);
 void DefineVerbs(pybind11::module_& module);
 void DefineParts(pybind11::module_& module);
 void DefineIds(pybind11::module_& module);

@@ -30,6 +30,7 @@ INNER = {
 
 # Options that no function needs.
 CONSOLE = {"help", "version", "quiet", "verbose", "no-progress", "color", "json", "format"}  # how the command speaks
+PROCESS = {"memory", "spill"}  # of set_memory_limit
 FILES = {"output", "from", "layout", "to", "overwrite", "no-sync", "wait", "to-layout", "boost-version", "dry-run"}
 ITS_OWN = {  # of single verbs
     "info": {"plot": "for terminals", "get": "report['maps']"},
@@ -77,7 +78,7 @@ def test_every_option_is_a_keyword(words):
     options = set(re.findall(r"^  (?:-\w, )?--([a-z][a-z0-9-]*)", printed(*words, "--help"), re.MULTILINE))
     assert "quiet" in options
     limits = {option for option in options if "gates" in keywords and re.match("m(ax|in)-", option)}
-    for option in options - limits - CONSOLE - set(ITS_OWN.get(name, {})):
+    for option in options - limits - CONSOLE - PROCESS - set(ITS_OWN.get(name, {})):
         spelled = option.replace("-", "_") + ("_" if keyword.iskeyword(option) else "")
         if option in FILES | {"threads", "progress"} and spelled not in keywords:
             continue  # of what `read` and `write` do; and quick ones have no progress
