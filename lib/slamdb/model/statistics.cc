@@ -226,7 +226,8 @@ class MapCounter {
   }
 
   // Keypoints lie all over memory. Those of some points are found first, so that they come while others are computed.
-  void MeasureErrors(const std::vector<Projector>& projectors, std::size_t begin, std::size_t end, float* errors) const {
+  void MeasureErrors(const std::vector<Projector>& projectors, std::size_t begin, std::size_t end,
+                     float* errors) const {
     constexpr std::size_t kPoints = 16;
     std::vector<Sight> sights;
     for (; begin < end; begin += kPoints) {
