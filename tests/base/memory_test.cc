@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <random>
@@ -309,6 +310,67 @@ TEST_F(ColumnsBeyondTheLimit, AreEachProcessOwnBehindAFork) {
   EXPECT_EQ(status, 0);
   EXPECT_TRUE(std::all_of(kept.begin(), kept.end(), [](std::uint64_t value) { return value == 5; }));
   EXPECT_TRUE(std::all_of(dropped.begin(), dropped.end(), [](std::uint64_t value) { return value == 6; }));
+}
+
+// A process that goes on when it is told to.
+class Later {
+ public:
+  explicit Later(const std::function<bool()>& holds) {
+    EXPECT_EQ(::pipe(ends_.data()), 0);
+    child_ = ::fork();
+    if (child_ != 0) return;
+    char told = 0;
+    const bool is_told = ::read(ends_[0], &told, 1) == 1;
+    ::_exit(is_told && holds() ? 0 : 1);
+  }
+  ~Later() {
+    for (const int end : ends_) ::close(end);
+  }
+  Later(const Later&) = delete;
+  Later& operator=(const Later&) = delete;
+
+  bool Holds() const {
+    int status = -1;
+    return ::write(ends_[1], "x", 1) == 1 && ::waitpid(child_, &status, 0) == child_ && status == 0;
+  }
+
+ private:
+  std::array<int, 2> ends_{};
+  pid_t child_ = -1;
+};
+
+bool IsAll(const Column<std::uint64_t>& column, std::uint64_t value) {
+  return std::all_of(column.begin(), column.end(), [value](std::uint64_t each) { return each == value; });
+}
+
+// What the first process writes, drops and makes after that is not seen by the other.
+TEST_F(ColumnsBeyondTheLimit, AreBehindAForkAsTheyWere) {
+  Column<std::uint64_t> written(4 * kMegabyte, 5), dropped(4 * kMegabyte, 6);
+  const Later child([&] { return IsAll(written, 5) && IsAll(dropped, 6); });
+  std::fill(written.begin(), written.end(), 7);
+  dropped = {};
+  dropped.shrink_to_fit();
+  Column<std::uint64_t> made(16 * kMegabyte, 8);
+  EXPECT_GT(SpilledNow().bytes, 0U);
+  EXPECT_TRUE(child.Holds());
+  EXPECT_TRUE(IsAll(written, 7));
+  EXPECT_TRUE(IsAll(made, 8));
+}
+
+TEST_F(ColumnsBeyondTheLimit, AreBehindForksOfForksAsTheyWere) {
+  Column<std::uint64_t> column(4 * kMegabyte, 5);
+  const Later child([&] {
+    std::fill(column.begin(), column.end(), 6);
+    const Later grandchild([&] { return IsAll(column, 6); });
+    std::fill(column.begin(), column.end(), 7);
+    return grandchild.Holds() && IsAll(column, 7);
+  });
+  Column<std::uint64_t> more(4 * kMegabyte, 8);
+  const Later second([&] { return IsAll(column, 5) && IsAll(more, 8); });
+  std::fill(more.begin(), more.end(), 9);
+  EXPECT_TRUE(child.Holds());
+  EXPECT_TRUE(IsAll(column, 5));
+  EXPECT_TRUE(second.Holds());
 }
 
 }  // namespace

@@ -156,15 +156,15 @@ char* SpillFile::Take(std::size_t bytes) {
 }
 
 void SpillFile::GiveBack(char* block, std::size_t bytes) noexcept {
-  if (forked_) {
-    ::madvise(block, bytes, MADV_DONTNEED);  // copies of its own
-    return;
-  }
   const std::size_t room = RoundedUp(bytes, kStep);
   const auto begin = static_cast<std::size_t>(block - map_);
   const std::lock_guard lock(mutex_);
-  Unreserve(begin, room);
   taken_ -= room;
+  if (forked_ || IsKept(begin)) {
+    ::madvise(block, bytes, MADV_DONTNEED);  // the pages that are its own
+    return;
+  }
+  Unreserve(begin, room);
   try {
     ranges_.GiveBack(begin, room);
   } catch (const std::bad_alloc&) {  // nobody has these addresses again
@@ -238,7 +238,7 @@ void SpillFile::Trim(std::uint64_t soon) {
   const std::uint64_t limit = limit_, most = limit - std::min(soon, limit / 4);
   if (ReadResident(statm_.value).all <= most) return;
   const std::uint64_t wanted = most - most / 8;  // a little less, so that the next look finds nothing to do
-  for (std::size_t passed = 0; passed < ranges_.end(); passed += kStepsPerLook * kStep) {
+  for (std::size_t passed = kept_; passed < ranges_.end(); passed += kStepsPerLook * kStep) {
     for (std::size_t i = 0; i < kStepsPerLook; ++i) PassStep();
     const Resident resident = ReadResident(statm_.value);
     if (resident.all <= wanted || resident.of_files <= kLeastResident) return;
@@ -246,15 +246,21 @@ void SpillFile::Trim(std::uint64_t soon) {
 }
 
 void SpillFile::PassStep() {
-  if (hand_ >= ranges_.end()) hand_ = 0;
+  if (hand_ >= ranges_.end()) hand_ = kept_;
   ::madvise(map_ + hand_, kStep, MADV_DONTNEED);
   hand_ += kStep;
 }
 
-void SpillFile::BecomeChild() {
-  forked_ = true;
-  ::mmap(map_, ranges_.end(), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_NORESERVE | MAP_FIXED, file_.value, 0);
-  mutex_.unlock();
+// A page that is mapped privately is that of the file until it is written. Done before the fork, so that the processes
+// part as with other memory. Of a range that was kept before, pages may have been written: it stays.
+void SpillFile::KeepForBoth() {
+  const std::size_t end = std::max(ranges_.end(), kept_);
+  if (end == kept_) return;
+  constexpr int kProtection = PROT_READ | PROT_WRITE, kFlags = MAP_PRIVATE | MAP_NORESERVE | MAP_FIXED;
+  if (::mmap(map_ + kept_, end - kept_, kProtection, kFlags, file_.value, static_cast<off_t>(kept_)) == MAP_FAILED)
+    return;  // too many mappings: the processes then share what they write
+  ranges_.Retire();
+  hand_ = kept_ = end;
 }
 
 }  // namespace slamdb::detail

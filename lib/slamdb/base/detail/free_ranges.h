@@ -41,6 +41,8 @@ class FreeRanges {
     else
       gaps_.emplace(begin, bytes);
   }
+  // What is free now is never taken; what is taken is not to be given back.
+  void Retire() { gaps_.clear(); }
   // Behind all that is taken.
   std::size_t end() const { return end_; }
 

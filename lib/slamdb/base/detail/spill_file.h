@@ -24,8 +24,9 @@ namespace slamdb::detail {
 // are in the page cache, or on the disk, and come back when they are looked at. A hand walks round the file and lets go
 // as it passes. It moves when a block is taken, and on a thread that looks every few milliseconds while any is.
 //
-// A process that is forked has the pages as they are, for itself: what it writes stays its own. It takes no blocks, and
-// gives none back. The one that forked it must keep what the other looks at.
+// A fork leaves both processes what there is, as it is then: from there on the pages are each one's own where it
+// writes, as those of other memory are. What is on the disk stays there until both have ended, and is let go by none.
+// The process that forked takes its blocks behind it, the other takes none.
 //
 // Thread-safe.
 class SpillFile {
@@ -49,15 +50,23 @@ class SpillFile {
   Spilled Use();
 
   // Around fork(): before it, and behind it in both processes.
-  void BeforeFork() { mutex_.lock(); }
+  void BeforeFork() {
+    mutex_.lock();
+    KeepForBoth();
+  }
   void AfterFork() { mutex_.unlock(); }
-  void BecomeChild();
+  void BecomeChild() {
+    forked_ = true;
+    mutex_.unlock();
+  }
 
  private:
   void Map();
   void Reserve(std::size_t begin, std::size_t bytes);
   void Unreserve(std::size_t begin, std::size_t bytes) noexcept;
   [[noreturn]] void FailToReserve(std::size_t bytes, int error) const;
+  void KeepForBoth();
+  bool IsKept(std::size_t begin) const { return begin < kept_; }
   void StartWatching();
   void Watch();
   void Trim(std::uint64_t soon);
@@ -77,6 +86,7 @@ class SpillFile {
   std::vector<std::size_t> taken_of_chunk_;  // bytes; a chunk of which none are has no room on the disk
   std::uint64_t taken_ = 0, most_ = 0;
   std::size_t hand_ = 0;
+  std::size_t kept_ = 0;  // bytes from the beginning that are as they were when this process forked
   std::thread watcher_;
 };
 
