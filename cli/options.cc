@@ -91,6 +91,7 @@ void AddMemory(CLI::App& verb) {
           "Memory to take, such as 2GB; what is more goes to a file on disk. 0 means three quarters of what is free")
       ->type_name("SIZE")
       ->transform(CLI::AsSizeValue(true).description(""))
+      ->check(Within(kMemory))
       ->group(kCommonGroup);
   verb.add_option_function<std::string>(
           "--spill",

@@ -28,11 +28,15 @@ void GoOnWithLibraries() {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
-  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
-  const fs::path installed = folder.parent_path() / "libexec/slamdb/slamdb";
-  for (const fs::path& program : {folder / "libexec/slamdb/slamdb", installed})  // the first: in a build folder
-    ::execv(program.c_str(), pointers.data());
-  throw SystemError(installed.string(),
+  std::error_code unknown;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  if (unknown)
+    throw Error(ErrorKind::kNotPossible, "/proc/self/exe", "",
+                "cannot be read: by it slamdb finds its program that has Cairo, Ceres and OpenCV, which this verb needs");
+  const fs::path beside = folder / "libexec/slamdb/slamdb";  // in a build folder
+  const fs::path program = fs::exists(beside, unknown) ? beside : folder.parent_path() / "libexec/slamdb/slamdb";
+  ::execv(program.c_str(), pointers.data());
+  throw SystemError(program.string(),
                     "cannot start the program of slamdb that has Cairo, Ceres and OpenCV, which this verb needs");
 }
 

@@ -182,7 +182,10 @@ static void ForEachChunk(std::size_t begin, std::size_t bytes, const Use& use) {
 }
 
 void SpillFile::Reserve(std::size_t begin, std::size_t bytes) {
-  if (begin + bytes > map_bytes_) FailToReserve(bytes, ENOSPC);
+  if (begin + bytes > map_bytes_)
+    throw Error(ErrorKind::kOutOfResources, folder_, "",
+                Concat("the process has no addresses left for ", HumanBytes(bytes), " more of what does not fit into ",
+                       HumanBytes(limit_), " of memory: it may have too few (`ulimit -v`)"));
   taken_of_chunk_.resize(std::max(taken_of_chunk_.size(), (begin + bytes - 1) / kChunk + 1));
   int error = 0;
   ForEachChunk(begin, bytes, [&](std::size_t chunk, std::size_t) {
@@ -208,7 +211,8 @@ void SpillFile::FailToReserve(std::size_t bytes, int error) const {
   throw Error(
       ErrorKind::kOutOfResources, folder_, "",
       Concat("the disk has no room for ", HumanBytes(bytes), " more of what does not fit into ", HumanBytes(limit_),
-             " of memory, beside ", HumanBytes(taken_), " that are there: ", std::generic_category().message(error),
+             " of memory, which take it by ", HumanBytes(kChunk), ", beside ", HumanBytes(taken_),
+             " that are there: ", std::generic_category().message(error),
              "; MemoryLimit::spill_folder names another, MemoryLimit::bytes allows more memory"));
 }
 
