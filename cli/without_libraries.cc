@@ -31,8 +31,9 @@ void GoOnWithLibraries() {
   std::error_code unknown;
   const fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
   if (unknown)
-    throw Error(ErrorKind::kNotPossible, "/proc/self/exe", "",
-                "cannot be read: by it slamdb finds its program that has Cairo, Ceres and OpenCV, which this verb needs");
+    throw Error(
+        ErrorKind::kNotPossible, "/proc/self/exe", "",
+        "cannot be read: by it slamdb finds its program that has Cairo, Ceres and OpenCV, which this verb needs");
   const fs::path beside = folder / "libexec/slamdb/slamdb";  // in a build folder
   const fs::path program = fs::exists(beside, unknown) ? beside : folder.parent_path() / "libexec/slamdb/slamdb";
   ::execv(program.c_str(), pointers.data());
