@@ -106,7 +106,7 @@ def count_all(build, wanted):
         folder = pathlib.Path(name)
         inputs = Inputs(build, folder)
         rows = [(row, "session") for row in PROCESSES] + [(row, atlas) for row in ROWS for atlas in ("session", "synthetic")]
-        counts = {key: pool.submit(inputs.count, key[1], key[0]) for key in rows if not wanted or key[0] in wanted}
+        counts = {key: pool.submit(inputs.count, key[1], key[0]) for key in rows if key[0] in wanted}
         return {key: counted.result() for key, counted in counts.items()}
 
 
@@ -139,6 +139,16 @@ def compare(known, counts):
     return differs
 
 
+def wanted_rows(words):
+    """The rows that are named, or all."""
+    if words is None:
+        return ROWS + PROCESSES
+    wanted = words.split(",")
+    if unknown := [row for row in wanted if row not in ROWS + PROCESSES]:
+        sys.exit(f"no such row: {', '.join(unknown)}; there are {', '.join(ROWS + PROCESSES)}")
+    return wanted
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/dev")
@@ -147,7 +157,9 @@ def main():
     options = parser.parse_args()
     if options.update and options.only:
         parser.error("--update writes the whole table")
-    build = options.build.resolve()
+    wanted, build = wanted_rows(options.only), options.build.resolve()
+    if not (build / "bench/slamdb_bench").exists():
+        sys.exit(f"{build}/bench/slamdb_bench is not there: `cmake/build.sh --tests dev` builds it")
     for tool in ("valgrind", "setarch", "taskset"):
         if shutil.which(tool) is None:
             print(f"skipped: instructions are counted by {tool}, which is not there")
@@ -156,7 +168,7 @@ def main():
     if not options.update and (known_made := read_table()[0]) != made:
         print(f"skipped: the table was made with {known_made}, and this is {made}")
         return 77
-    counts = count_all(build, options.only.split(",") if options.only else [])
+    counts = count_all(build, wanted)
     if options.update:
         write_table(made, counts)
         return 0

@@ -135,7 +135,8 @@ class Benchmark {
     MeasureRows(workplace, Rounds(), std::cout);
     if (arguments_.Has("--keep")) return;
     std::filesystem::remove(workplace.output());
-    for (const std::string& path : workplace.inputs()) std::filesystem::remove(path);
+    for (const std::string& path : workplace.inputs())
+      for (const char* beside : {"", "-wal", "-shm"}) std::filesystem::remove(path + beside);
   }
 
   void MeasureSynthetic(const std::string& megabytes, const std::string& points, const std::string& name) const {

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <sstream>
+#include <stdexcept>
 
 #include "slamdb/base/error.h"
 
@@ -171,6 +172,9 @@ void PrintTableHead(std::ostream& out) {
 
 void MeasureRows(const Workplace& workplace, const RoundOptions& options, std::ostream& out) {
   const Runner runner(workplace, options, out);
+  for (const std::string& id : options.only)
+    if (std::ranges::count(kRows, id, &Row::ours) == 0 && std::ranges::count(kMemoryRows, id, &MemoryRow::id) == 0)
+      throw std::invalid_argument("--only: no row measures " + id);
   const auto wanted = [&](std::string_view id) {
     return options.only.empty() || std::ranges::count(options.only, id) > 0;
   };

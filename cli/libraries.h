@@ -6,6 +6,9 @@
 // them. Where the libraries are not there or linked statically, or libslamdb.so brings them, there is one program.
 namespace slamdb::cli {
 
+// What the process was started with, for the other program: the words, and a null pointer behind the last.
+void RememberWords(char** words);
+
 // For verbs that draw, solve or read pictures, before they read or write anything: the one program goes on as the
 // other, with the same words. In that one nothing happens.
 //

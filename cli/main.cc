@@ -18,6 +18,7 @@
 #include "cli/help/help.h"
 #include "cli/help/tree.h"
 #include "cli/help/usage.h"
+#include "cli/libraries.h"
 #include "cli/options.h"
 #include "cli/terminal.h"
 #include "slamdb/base/detail/visible.h"
@@ -200,5 +201,6 @@ void FillStandardStreams() {
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_DFL);  // `slamdb dump | head` ends quietly, whatever the parent process ignores
   slamdb::cli::FillStandardStreams();
+  slamdb::cli::RememberWords(argv);
   return slamdb::cli::Main({argv + std::min(argc, 1), argv + argc});
 }

@@ -7,6 +7,7 @@
 
 #include <memory>
 
+#include "cli/byte_size.h"
 #include "cli/exports.h"
 #include "cli/help/usage.h"
 #include "cli/values.h"
@@ -82,16 +83,13 @@ namespace {
 // Of the process, whatever the verb.
 void AddMemory(CLI::App& verb) {
   const auto limit = std::make_shared<MemoryLimit>();
-  verb.add_option_function<std::uint64_t>(
-          "--memory",
-          [limit](std::uint64_t bytes) {
-            limit->bytes = bytes;
-            SetMemoryLimit(*limit);
-          },
-          "Memory to take, such as 2GB; what is more goes to a file on disk. 0 means three quarters of what is free")
-      ->type_name("SIZE")
-      ->transform(CLI::AsSizeValue(true).description(""))
-      ->check(Within(kMemory))
+  AddByteSize(
+      verb, "--memory", kMemory,
+      [limit](std::uint64_t bytes) {
+        limit->bytes = bytes;
+        SetMemoryLimit(*limit);
+      },
+      "Memory to take, such as 2GB; what is more goes to a file on disk. 0 means three quarters of what is free")
       ->group(kCommonGroup);
   verb.add_option_function<std::string>(
           "--spill",
@@ -101,6 +99,7 @@ void AddMemory(CLI::App& verb) {
           },
           "Where that file is, which has no name; by default in TMPDIR, or in /var/tmp where that is not on disk")
       ->type_name("FOLDER")
+      ->check([](const std::string& folder) { return folder.empty() ? "expected a folder, found ''" : ""; })
       ->group(kCommonGroup);
 }
 

@@ -3,6 +3,8 @@
 
 namespace slamdb::cli {
 
+void RememberWords(char**) {}
+
 void GoOnWithLibraries() {}
 
 }  // namespace slamdb::cli

@@ -54,6 +54,14 @@ std::vector<std::string> ChoicesOf(const OptionEntry& entry, const CLI::App& app
   return choices;
 }
 
+// Whether its value is the name of a file, a folder or a store: of options those say so, arguments are mostly.
+bool NamesFiles(const OptionEntry& entry) {
+  constexpr std::string_view kFiles[] = {"FILE", "FOLDER", "INPUT", "TRANSFORM"};
+  return entry.positional() || std::ranges::any_of(kFiles, [&](std::string_view word) {
+           return entry.value.find(word) != std::string::npos;
+         });
+}
+
 // Whether arguments are names of entities in the atlas before them.
 bool TakesEntities(const CLI::App& app) {
   const auto entries = OptionsOf(app);
@@ -88,8 +96,10 @@ std::string BashCase(const CLI::App& app) {
       std::string pattern;
       for (const std::string& name : entry.names) pattern += (pattern.empty() ? "" : "|") + name;
       const std::string choices = Joined(ChoicesOf(entry, app));
-      values +=
-          "        " + pattern + ") " + (choices.empty() ? "files=1" : "words=" + Quoted(choices)) + "; return ;;\n";
+      const std::string offer = !choices.empty()    ? "words=" + Quoted(choices) + "; "
+                                : NamesFiles(entry) ? "files=1; "
+                                                    : "";
+      values += "        " + pattern + ") " + offer + "return ;;\n";
     }
   }
   std::string text = "    " + Quoted(PathOf(app)) + ")\n";
@@ -170,7 +180,8 @@ std::string ZshAction(const OptionEntry& entry, const CLI::App& app) {
   return ":" + ZshEscaped(entry.value.empty() ? "value" : entry.value) + ":" +
          (!choices.empty()          ? "(" + choices + ")"
           : entry.value == "ENTITY" ? "_slamdb_entities"
-                                    : "_slamdb_atlases");
+          : NamesFiles(entry)       ? "_slamdb_atlases"
+                                    : " ");
 }
 
 std::string ZshFunction(const CLI::App& app) {
@@ -250,7 +261,8 @@ std::string FishLines(const CLI::App& app) {
     for (const std::string& name : entry.names)
       text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
     const std::string choices = Joined(ChoicesOf(entry, app));
-    if (!entry.value.empty()) text += choices.empty() ? " -r" : " -x -a " + Quoted(choices);
+    if (!entry.value.empty())
+      text += !choices.empty() ? " -x -a " + Quoted(choices) : NamesFiles(entry) ? " -r" : " -x";
     text += " -d " + Quoted(entry.description) + "\n";
   }
   return text;

@@ -57,7 +57,7 @@ bool IsThere(const Location& location, StoredNames& stored) {
   if (!std::filesystem::exists(location.path)) return false;
   if (location.name.empty()) return true;
   const auto [store, first] = stored.try_emplace(location.path);
-  if (first) store->second = Store::Open(location.path).Names();
+  if (first && !Store::IsYetToBeMade(location.path)) store->second = Store::Open(location.path).Names();
   return std::ranges::find(store->second, location.name) != store->second.end();
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "cli/byte_size.h"
 #include "cli/choices.h"
 #include "cli/commands/commands.h"
 #include "cli/edit.h"
@@ -135,9 +136,9 @@ Run AddSynthesize(CLI::App& verb) {
       ->type_name("FILE")
       ->group(kGroup);
   AddSessions(verb, options);
-  verb.add_option("--size", options->size, "Keyframes and points for a binary .osa of about this size, such as 200MB")
-      ->type_name("SIZE")
-      ->transform(CLI::AsSizeValue(true))
+  AddByteSize(
+      verb, "--size", kMemory, [options](std::uint64_t bytes) { options->size = bytes; },
+      "Keyframes and points for a binary .osa of about this size, such as 200MB")
       ->excludes(keyframes)
       ->excludes(points)
       ->group(kGroup);

@@ -106,8 +106,10 @@ void Table::Shorten(std::size_t column, std::size_t width) {
 
 std::string Table::ToString() const {
   std::vector<std::size_t> widths(columns_.size());
-  for (std::size_t c = 0; c < widths.size(); ++c) widths[c] = WidthOf(c);
+  std::size_t width = indent_ + 1;
+  for (std::size_t c = 0; c < widths.size(); ++c) width += 2 + (widths[c] = WidthOf(c));
   std::string out;
+  out.reserve(rows_.size() * width);
   for (const auto& row : rows_) {
     std::string line(indent_, ' ');
     for (std::size_t c = 0; c < row.size() && c < widths.size(); ++c) {

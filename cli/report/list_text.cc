@@ -93,6 +93,7 @@ std::string CellOf(const ListedAtlas& atlas, const Column& column) {
 
 // Without the name of the atlas, which begins the line.
 std::string FailureText(const ListedAtlas& atlas) {
+  if (atlas.failure.empty()) return {};
   const std::string text = InCommandWords(atlas.failure);
   return text.starts_with(atlas.input + ": ") ? text.substr(atlas.input.size() + 2) : text;
 }

@@ -132,10 +132,11 @@ void Arguments::RefuseIdle(std::initializer_list<const char*> names, const std::
   }
 }
 
-void Arguments::RefuseType(const char* name, const py::object& value) {
-  if (py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value))
-    throw Error(ErrorKind::kUsage, std::string(name) + "= cannot be " + std::string(py::repr(value)));
-  throw py::type_error(std::string(name) + "= cannot be " + py::repr(value).cast<std::string>());
+void Arguments::RefuseType(const char* name, const py::object& value, std::string_view expected) {
+  std::string problem = std::string(name) + "= cannot be " + py::repr(value).cast<std::string>();
+  if (!expected.empty()) problem.append(", it takes ").append(expected);
+  if (py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value)) throw Error(ErrorKind::kUsage, problem);
+  throw py::type_error(problem);
 }
 
 void Arguments::RefuseNumber(const char* name, const cli::Limits& limits) {

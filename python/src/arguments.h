@@ -12,6 +12,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -56,7 +57,7 @@ class Arguments {
     try {
       into = value->cast<Value>();
     } catch (const pybind11::cast_error&) {
-      RefuseType(name, *value);
+      RefuseType(name, *value, WhatIs<Value>());
     }
   }
   template <class Value>
@@ -135,9 +136,20 @@ class Arguments {
   void RequireAllTaken() const;
 
  private:
+  template <class Value>
+  static constexpr std::string_view WhatIs() {
+    if constexpr (std::is_same_v<Value, bool>) return "True or False";
+    if constexpr (std::is_unsigned_v<Value>) return "a whole number from 0";
+    if constexpr (std::is_integral_v<Value>) return "a whole number";
+    if constexpr (std::is_floating_point_v<Value>) return "a number";
+    if constexpr (std::is_same_v<Value, std::string>) return "a text";
+    return {};
+  }
+
   std::optional<pybind11::object> Find(const char* name);
   void GuardOutputs() const;
-  [[noreturn]] static void RefuseType(const char* name, const pybind11::object& value);
+  // `expected`: what the argument takes; empty: said by its documentation alone.
+  [[noreturn]] static void RefuseType(const char* name, const pybind11::object& value, std::string_view expected);
   [[noreturn]] void RefuseNumber(const char* name, const cli::Limits& limits);
   [[noreturn]] void RefuseWord(const char* name, const std::vector<std::string>& words);
 

@@ -15,7 +15,7 @@ void DefineMemory(py::module_& module) {
   module.def("set_memory_limit", [](py::dict values) {
     Arguments given(std::move(values));
     MemoryLimit limit;
-    given.Take("memory", limit.bytes);
+    given.Take("memory", limit.bytes, cli::kMemory);
     if (given.Has("spill")) limit.spill_folder = given.Path("spill");
     SetMemoryLimit(limit);
   });

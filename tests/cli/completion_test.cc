@@ -68,6 +68,15 @@ TEST(Completion, BashOffersFilesWithBlanks) {
   EXPECT_EQ(BashOffers("slamdb info '" + (folder / "my") + "'", 3), (folder / "my map.osa") + "\n");
 }
 
+TEST(Completion, BashOffersFilesOnlyWhereAnOptionNamesThem) {
+  SLAMDB_NEEDS_PROC();
+  const TemporaryFolder folder;
+  WriteWholeFile(folder / "1GB", "");
+  EXPECT_EQ(BashOffers("slamdb info --memory '" + (folder / "1") + "'", 4), "\n");
+  EXPECT_EQ(BashOffers("slamdb info --spill '" + (folder / "1") + "'", 4), (folder / "1GB") + "\n");
+  EXPECT_EQ(BashOffers("slamdb transform a.osa --by '" + (folder / "1") + "'", 5), (folder / "1GB") + "\n");
+}
+
 TEST(Completion, BashOffersNoFilesWhereWordsAreAll) {
   EXPECT_THAT(RunSlamdb({"completion", "bash"}).out, HasSubstr("words='bash zsh fish'\n      ;;"));
   EXPECT_THAT(RunSlamdb({"completion", "bash"}).out, HasSubstr("files=1\n      ;;"));

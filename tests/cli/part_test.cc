@@ -91,6 +91,14 @@ TEST_F(PartVerbs, SplitWritesEveryMap) {
   ExpectRefused({"split", input_, "-", "--to", "orbslam3"}, "standard output", 2);
 }
 
+// A program that is killed while it makes a store leaves a database without tables.
+TEST_F(PartVerbs, SplitMakesAStoreOfAnEmptyDatabase) {
+  const std::string store = folder_ / "made.db";
+  if (RunProgram({"sqlite3", store, "VACUUM"}).exit_code == 127) GTEST_SKIP() << "no sqlite3";
+  const json report = Run({"split", input_, store + "#all"}, "split.schema.json");
+  EXPECT_EQ(report["parts"].size(), 2U);
+}
+
 TEST_F(PartVerbs, CullSaysWhatWent) {
   const json report = Run({"cull", input_, output_, "--redundant", "0.5", "--observers", "1"}, "cull.schema.json");
   EXPECT_GT(report["culled"]["redundant_keyframes"], 0);

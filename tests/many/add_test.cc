@@ -2,6 +2,7 @@
 #include "slamdb/many/add.h"
 
 #include <gmock/gmock.h>
+#include <sqlite3.h>
 
 #include <filesystem>
 
@@ -287,6 +288,19 @@ TEST_F(AddTest, WhatIsNoStoreIsRefusedBeforeAnythingIsRead) {
   store_ = In("old.db");
   fs::copy_file(SLAMDB_FIXTURES "/store/version2.db", store_);
   EXPECT_THAT(MessageOf([&] { Add({In("a.osa")}); }), HasSubstr("store version 2"));
+}
+
+// A program that is killed while it makes a store leaves a database without tables.
+TEST_F(AddTest, AnEmptyDatabaseBecomesTheStore) {
+  Put("a.osa", 1);
+  sqlite3* database = nullptr;
+  sqlite3_open(store_.c_str(), &database);
+  sqlite3_exec(database, "VACUUM", nullptr, nullptr, nullptr);
+  sqlite3_close(database);
+  ASSERT_GT(fs::file_size(store_), 0U);
+  EXPECT_THAT(Told(Add({In("a.osa")}, {.dry_run = true})), ElementsAre("added a"));
+  EXPECT_THAT(Told(Add({In("a.osa")})), ElementsAre("added a"));
+  EXPECT_THAT(Names(), ElementsAre("a"));
 }
 
 TEST_F(AddTest, TrajectoriesAreNoAtlases) {

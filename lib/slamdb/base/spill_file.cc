@@ -209,8 +209,8 @@ void SpillFile::Unreserve(std::size_t begin, std::size_t bytes) noexcept {
 
 void SpillFile::FailToReserve(std::size_t bytes, int error) const {
   throw Error(ErrorKind::kOutOfResources, folder_, "",
-              Concat("the disk has no room for ", HumanBytes(bytes), " more of what does not fit into ",
-                     HumanBytes(limit_), " of memory, which take it by ", HumanBytes(kChunk), ", beside ",
+              Concat("the disk has no room for what does not fit into ", HumanBytes(limit_),
+                     " of memory: ", HumanBytes(std::max(bytes, kChunk)), " more were asked for, beside ",
                      HumanBytes(taken_), " that are there: ", std::generic_category().message(error),
                      "; MemoryLimit::spill_folder names another, MemoryLimit::bytes allows more memory"));
 }

@@ -66,10 +66,21 @@ void AppendEscaped(std::string& out, char32_t value) {
     AppendHex(out, value > 0xffff ? "\\U" : "\\u", value, value > 0xffff ? 8 : 4);
 }
 
+// How many letters a text begins with of which nothing can be hidden: those of ASCII that can be seen.
+std::size_t PlainLetters(std::string_view text) {
+  const auto* end = std::ranges::find_if(text, [](char letter) { return !(letter >= ' ' && letter < 0x7f); });
+  return static_cast<std::size_t>(end - text.begin());
+}
+
 std::string Escaped(std::string_view text, std::string_view kept) {
   std::string out;
   out.reserve(text.size());
   while (!text.empty()) {
+    if (const std::size_t plain = PlainLetters(text); plain > 0) {
+      out += text.substr(0, plain);
+      text.remove_prefix(plain);
+      continue;
+    }
     const CodePoint first = FirstOf(text);
     const std::size_t bytes = std::max<std::size_t>(first.bytes, 1);
     if (first.bytes == 0)

@@ -37,9 +37,7 @@ using Held = std::map<std::string, std::uint64_t>;
 
 Held HashesIn(const std::string& store, double lock_timeout) {
   Held held;
-  std::error_code missing;
-  const std::uintmax_t size = std::filesystem::file_size(store, missing);
-  if (!std::filesystem::exists(store) || (!missing && size == 0)) return held;
+  if (Store::IsYetToBeMade(store, lock_timeout)) return held;
   for (const StoredAtlas& atlas : Store::Open(store, lock_timeout).List()) held[atlas.name] = atlas.hash;
   return held;
 }

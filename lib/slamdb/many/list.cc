@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
+#include <optional>
 #include <utility>
 
 #include "slamdb/base/detail/date_times.h"
@@ -21,11 +21,17 @@
 namespace slamdb {
 namespace {
 
-// What a store tells of its atlases, and which of them match.
+// What a store tells of its atlases, and which of them match; both by name.
 struct StoreRows {
-  std::map<std::string, StoredAtlas> atlases;
-  std::set<std::string> matching;
+  std::vector<StoredAtlas> atlases;
+  std::optional<std::vector<std::string>> matching;  // none: all do
   std::string failure;
+
+  const StoredAtlas* Find(const std::string& name) const {
+    const auto found = std::ranges::lower_bound(atlases, name, {}, &StoredAtlas::name);
+    return found != atlases.end() && found->name == name ? &*found : nullptr;
+  }
+  bool Matches(const std::string& name) const { return !matching || std::ranges::binary_search(*matching, name); }
 };
 
 using Stores = std::map<std::string, StoreRows>;
@@ -34,8 +40,8 @@ StoreRows ReadStore(const std::string& path, const ListOptions& options) {
   StoreRows rows;
   try {
     Store store = Store::Open(path, options.lock_timeout);
-    for (StoredAtlas& atlas : store.List()) rows.atlases.emplace(atlas.name, std::move(atlas));
-    for (std::string& name : store.Find(options.query)) rows.matching.insert(std::move(name));
+    rows.atlases = store.List();
+    if (!options.query.everything()) rows.matching = store.Find(options.query);
   } catch (const Error& error) {
     rows.failure = error.what();
   }
@@ -83,9 +89,11 @@ class Lister {
  public:
   Lister(const ListOptions& options, const Stores& stores) : options_(options), stores_(stores) {}
 
-  // Nothing when it does not match.
-  std::optional<ListedAtlas> List(const AtlasInput& input, const ReadOptions& read) const {
-    ListedAtlas atlas{.input = input.location.ToString(), .name = NameOf(input.location), .failure = input.failure};
+  // False: it does not match.
+  bool List(const AtlasInput& input, const ReadOptions& read, ListedAtlas& atlas) const {
+    atlas.input = input.location.ToString();
+    atlas.name = NameOf(input.location);
+    atlas.failure = input.failure;
     bool matches = true;
     if (atlas.failure.empty()) {
       try {
@@ -97,23 +105,23 @@ class Lister {
       }
     }
     if (!atlas.failure.empty() && options_.check) atlas.verdict = Verdict({.failure = atlas.failure});
-    return matches ? std::optional(std::move(atlas)) : std::nullopt;
+    return matches;
   }
 
  private:
   bool ListStored(const AtlasInput& input, const StoreRows& store, const ReadOptions& read, ListedAtlas& atlas) const {
     if (!store.failure.empty()) throw Error(ErrorKind::kDamaged, store.failure);
-    const auto stored = store.atlases.find(input.location.name);
-    if (stored == store.atlases.end()) {  // the reader knows what there is instead
+    const StoredAtlas* stored = store.Find(input.location.name);
+    if (stored == nullptr) {  // the reader knows what there is instead
       (void)ReadAtlas(input.location, read);
       return true;
     }
-    if (!store.matching.contains(input.location.name)) return false;
-    Describe(stored->second, atlas);
-    if (!stored->second.problem.empty()) {
+    if (!store.Matches(input.location.name)) return false;
+    Describe(*stored, atlas);
+    if (!stored->problem.empty()) {
       atlas.bytes.reset();  // which the same row tells
       throw Error(ErrorKind::kDamaged, atlas.input, "table atlas",
-                  "tells of " + stored->second.problem + ": edited outside slamdb, or damaged");
+                  "tells of " + stored->problem + ": edited outside slamdb, or damaged");
     }
     if (options_.check) Check(ReadAtlas(input.location, read), *options_.check, read.threads, atlas);
     return true;
@@ -150,13 +158,19 @@ ReadOptions ReadOptionsOf(const ListOptions& options) {
 
 std::vector<ListedAtlas> ListAtlases(const AtlasInputs& inputs, const ListOptions& options) {
   const Stores stores = ReadStores(inputs, options);
-  std::vector<std::optional<ListedAtlas>> found(inputs.atlases.size());
+  std::vector<ListedAtlas> atlases(inputs.atlases.size());
+  std::vector<std::uint8_t> matches(atlases.size());
   const Lister lister(options, stores);
-  ForEachRow(found.size(), ReadOptionsOf(options),
-             [&](std::size_t row, const ReadOptions& read) { found[row] = lister.List(inputs.atlases[row], read); });
-  std::vector<ListedAtlas> atlases;
-  for (std::optional<ListedAtlas>& atlas : found)
-    if (atlas) atlases.push_back(std::move(*atlas));
+  ForEachRow(atlases.size(), ReadOptionsOf(options), [&](std::size_t row, const ReadOptions& read) {
+    matches[row] = lister.List(inputs.atlases[row], read, atlases[row]);
+  });
+  std::size_t kept = 0;
+  for (std::size_t row = 0; row < atlases.size(); ++row) {
+    if (matches[row] == 0) continue;
+    if (row != kept) atlases[kept] = std::move(atlases[row]);
+    ++kept;
+  }
+  atlases.resize(kept);
   return atlases;
 }
 

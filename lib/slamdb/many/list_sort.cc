@@ -117,6 +117,7 @@ SortKey SortKeyOf(std::string_view word) {
 }
 
 void SortAtlases(std::vector<ListedAtlas>& atlases, std::span<const SortKey> keys) {
+  if (keys.empty()) return;
   std::ranges::stable_sort(atlases, [&](const ListedAtlas& a, const ListedAtlas& b) {
     for (const SortKey& key : keys)
       if (const auto order = Compare(a, b, key); order != 0) return order < 0;

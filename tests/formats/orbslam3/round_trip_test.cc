@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <numeric>
 
 #include "slamdb/base/error.h"
@@ -190,6 +191,28 @@ TEST(ReadOrbslam3, PartSizesAddUpToTheFile) {
     bytes += 3 * 4 + 28 * (keyframe.features.keypoints.size() + keyframe.features.undistorted.size() +
                            keyframe.features.right_keypoints.size());
   EXPECT_EQ(keypoints->bytes, bytes);
+}
+
+// Cells as no camera makes them, around the size from which on columns do not go through the window.
+TEST(ReadOrbslam3, CellsOfTheGridMayBeOfAnySize) {
+  Atlas atlas = SynthesizeAtlas({.keyframes = 9, .points = 500, .features = 1200});
+  std::uint32_t size = 1021;
+  for (KeyFrame& keyframe : atlas.maps[0].keyframes) {
+    FeatureGrid& grid = keyframe.features.grid;
+    ASSERT_FALSE(grid.cell_sizes.empty());
+    const std::uint32_t more = size++ - grid.cell_sizes[0];
+    grid.cell_sizes[0] += more;
+    const Column<std::uint64_t> before = grid.keypoints;
+    grid.keypoints.resize(before.size() + more);
+    std::iota(grid.keypoints.begin(), grid.keypoints.begin() + more, 1);
+    std::ranges::copy(before, grid.keypoints.begin() + more);
+  }
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("cells.osa");
+  Notices notices;
+  WriteOrbslam3(atlas, path, {.sync = false}, notices);
+  ASSERT_GT(std::filesystem::file_size(path), std::uintmax_t{1} << 20);  // enough for two threads
+  ExpectSameBytesAfterWriting(path);
 }
 
 TEST(ReadOrbslam3, PartSizesAreTheSameWithAnyThreads) {

@@ -195,8 +195,7 @@ class AtlasReader {
   void TakeKeyFrame(Skipper<Input>& skipper, KeyFrame& keyframe) {
     DecodeJob job = JobAt(skipper);
     job.keyframe = &keyframe;
-    LayoutKeyFrame(skipper, keyframe);
-    job.end = EndOf(skipper);
+    FindEnd(skipper, job, [&] { LayoutKeyFrame(skipper, keyframe); });
     team_.Add(job);
   }
 
@@ -210,9 +209,9 @@ class AtlasReader {
       points_ = JobAt(skipper);
       points_.points = &point;
     }
-    LayoutMapPoint(skipper, point);
-    points_.end = EndOf(skipper);
-    if (++points_.point_count == kPointsPerJob) EndPoints(skipper);
+    ++points_.point_count;
+    FindEnd(skipper, points_, [&] { LayoutMapPoint(skipper, point); });
+    if (points_.point_count == kPointsPerJob) EndPoints(skipper);
   }
   void EndPoints(const Decoder<Input>&) {}
   void EndPoints(const Skipper<Input>&) {
@@ -222,6 +221,18 @@ class AtlasReader {
 
   static DecodeJob JobAt(const Skipper<Input>& skipper) {
     return {.offset = skipper.input.offset(), .classes = skipper.classes, .place = skipper.input.place};
+  }
+  // Where the end of a record cannot be found, decoding it fails too, at the place that a reader on one thread names.
+  template <class SkipRecord>
+  void FindEnd(const Skipper<Input>& skipper, DecodeJob& job, const SkipRecord& skip_record) {
+    try {
+      skip_record();
+    } catch (const Error&) {
+      job.end = file_.size();
+      team_.Add(job);
+      throw;
+    }
+    job.end = EndOf(skipper);
   }
   // Where the record behind the cursor ends; a text record includes the space that ends its last token.
   static std::size_t EndOf(const Skipper<Input>& skipper) { return skipper.input.offset() + (Input::kText ? 1 : 0); }

@@ -13,11 +13,11 @@ namespace {
 // Measured: 4 to 16 KiB load and save alike; larger pages make the many small rows slower and small stores larger.
 constexpr const char* kNewFile = "PRAGMA page_size=8192";
 
-bool IsEmpty(Database& database) { return database.Integer("SELECT count(*) FROM sqlite_schema") == 0; }
+bool HasTables(Database& database) { return database.Integer("SELECT count(*) FROM sqlite_schema") != 0; }
 
 // A log, and nothing in it yet: what a store is before its first transaction is committed.
 bool IsBeingMade(Database& database) {
-  if (database.is_image() || database.Integer("PRAGMA application_id") != 0 || !IsEmpty(database)) return false;
+  if (database.is_image() || !IsEmptyDatabase(database)) return false;
   Statement mode(database, "PRAGMA journal_mode");
   return mode.Step() && mode.Text(0) == "wal";
 }
@@ -26,14 +26,20 @@ void CreateSchema(Database& database) {
   database.Execute(kNewFile);
   database.UseLog();
   WriteTransaction transaction(database);
-  if (!IsEmpty(database)) return;  // another program was faster
+  if (HasTables(database)) return;  // another program was faster
   RunMigrations(database, Migrations());
   transaction.Commit();
 }
 
 }  // namespace
 
-bool IsUnused(Database& database) { return IsEmpty(database) || database.Integer("SELECT count(*) FROM history") == 0; }
+bool IsEmptyDatabase(Database& database) {
+  return database.Integer("PRAGMA application_id") == 0 && !HasTables(database);
+}
+
+bool IsUnused(Database& database) {
+  return !HasTables(database) || database.Integer("SELECT count(*) FROM history") == 0;
+}
 
 // Without an index this may be what a power cut left, or the moment before the index is made.
 void WaitUntilMade(Database& database, bool had_index) {
@@ -51,13 +57,12 @@ void PrepareToWrite(Database& database, bool sync) {
   // EXTRA syncs the folder when the journal of a new store's first page goes. One that a power cut brought back would
   // undo that page, and with it all that stands in the log by then.
   database.Execute(sync ? "PRAGMA synchronous=EXTRA" : "PRAGMA synchronous=OFF");
-  if (database.Integer("PRAGMA application_id") == 0 && IsEmpty(database)) CreateSchema(database);
-  CheckIsStore(database, NewestVersion());
-  try {
+  // As long as somebody saves without a log, the store cannot even be looked at.
+  NamingHolder(database, [&] {
+    if (IsEmptyDatabase(database)) CreateSchema(database);
+    CheckIsStore(database, NewestVersion());
     database.UseLog();
-  } catch (const Error& error) {  // as long as somebody saves without one
-    throw error.kind() == ErrorKind::kLocked ? LockedError(database) : error;
-  }
+  });
 }
 
 }  // namespace slamdb::sqlite

@@ -83,6 +83,8 @@ struct Store::State {
   // Nothing was saved there when it was opened, so that whoever made it may remove it again (RemoveUnused).
   bool opened_unused = false;
 
+  // Opens what may be a store, once nobody is making it.
+  static std::unique_ptr<State> ToRead(const std::string& path, double lock_timeout);
   // Opens the store to write, and makes it where it is missing.
   static State ToWrite(const std::string& path, const StoreOptions& options);
   // The lock for a save. Where the store was removed because the save it was made for failed, in a new one.
@@ -183,13 +185,15 @@ Store::~Store() = default;
 Store::Store(Store&&) noexcept = default;
 Store& Store::operator=(Store&&) noexcept = default;
 
+bool Store::IsYetToBeMade(const std::string& path, double lock_timeout) {
+  std::error_code missing;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
+  if (missing ? !std::filesystem::exists(path) : bytes == 0) return true;
+  return IsEmptyDatabase(State::ToRead(path, lock_timeout)->database);
+}
+
 Store Store::Open(const std::string& path, double lock_timeout) {
-  CheckNotStandardStream(path);
-  std::error_code ignored;
-  const bool had_index = std::filesystem::exists(FilesBeside(path).index, ignored);
-  auto state = std::make_unique<State>(
-      State{Database(path, Access::kRead, lock_timeout), {.sync = true, .lock_timeout = lock_timeout}, false});
-  WaitUntilMade(state->database, had_index);
+  std::unique_ptr<State> state = State::ToRead(path, lock_timeout);
   CheckIsStore(state->database, NewestVersion());
   return Store(std::move(state));
 }
@@ -197,6 +201,16 @@ Store Store::Open(const std::string& path, double lock_timeout) {
 Store Store::OpenForWriting(const std::string& path, StoreOptions options) {
   CheckNotStandardStream(path);
   return Store(std::make_unique<State>(State::ToWrite(path, options)));
+}
+
+std::unique_ptr<Store::State> Store::State::ToRead(const std::string& path, double lock_timeout) {
+  CheckNotStandardStream(path);
+  std::error_code ignored;
+  const bool had_index = std::filesystem::exists(FilesBeside(path).index, ignored);
+  auto state = std::make_unique<State>(
+      State{Database(path, Access::kRead, lock_timeout), {.sync = true, .lock_timeout = lock_timeout}, false});
+  NamingHolder(state->database, [&] { WaitUntilMade(state->database, had_index); });
+  return state;
 }
 
 Store::State Store::State::ToWrite(const std::string& path, const StoreOptions& options) {

@@ -105,7 +105,13 @@ class SLAMDB_EXPORT Store {
   //   kDamaged      it is no database at all
   static Store Open(const std::string& path, double lock_timeout = 5);
 
-  // Opens to write; makes the store when the file is missing or empty.
+  // Whether a store is yet to be made there: there is no file, an empty one, or a database without tables, such as a
+  // program leaves that was killed while it made the store. OpenForWriting makes one out of each.
+  //
+  // Throws Error as Open does for what cannot be read, or is no database.
+  [[nodiscard]] static bool IsYetToBeMade(const std::string& path, double lock_timeout = 5);
+
+  // Opens to write; makes the store where it is yet to be made.
   //
   // Throws Error as Open does.
   static Store OpenForWriting(const std::string& path, StoreOptions options = {});

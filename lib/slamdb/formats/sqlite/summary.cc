@@ -145,6 +145,7 @@ std::vector<StoredAtlas> ListAtlases(Database& database) {
                       "table atlas");
   std::vector<StoredAtlas> atlases;
   std::unordered_map<std::int64_t, MostRows> most = CountMostRows(database);
+  atlases.reserve(most.size());
   while (statement.Step()) {
     StoredAtlas& atlas = atlases.emplace_back();
     int column = 1;

@@ -180,7 +180,8 @@ class BinaryInput : public Cursor {
   }
   void SkipWeights(std::size_t count) { SkipBytes(count * (encoding_->long_bytes + sizeof(std::int32_t))); }
   // Calls visit(length, entries) for vectors of 8-byte sizes that stand one behind the other, at most `count`, as long
-  // as they and `beyond` more entries lie in what can be looked at. Returns how many.
+  // as they and `beyond` more entries lie in what can be looked at, and none is large: who went before may have left it
+  // out. Returns how many.
   template <class Visit>
   std::size_t TakeSeenSizeVectors(std::size_t count, std::size_t beyond, const Visit& visit) {
     constexpr std::size_t kBytes = sizeof(std::uint64_t);
@@ -191,7 +192,7 @@ class BinaryInput : public Cursor {
     for (; taken < count && left > 0; ++taken) {
       std::uint64_t length;
       std::memcpy(&length, at, kBytes);
-      if (length >= static_cast<std::uint64_t>(left)) break;
+      if (length >= static_cast<std::uint64_t>(left) || IsLarge(length * kBytes)) break;
       visit(static_cast<std::size_t>(length), at + kBytes);
       at += kBytes * (1 + length);
       left -= static_cast<std::ptrdiff_t>(1 + length);

@@ -6,6 +6,9 @@
 // Stores that are being made, and how a connection is set up to write.
 namespace slamdb::sqlite {
 
+// Whether it is a database without any table, out of which a store can be made.
+bool IsEmptyDatabase(Database& database);
+
 // Whether nothing was ever saved there.
 bool IsUnused(Database& database);
 

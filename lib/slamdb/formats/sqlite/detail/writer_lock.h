@@ -24,6 +24,17 @@ class WriteTransaction {
 // The error of a store that somebody else is writing: says who, as far as is known.
 Error LockedError(Database& database);
 
+// Does the work, and throws LockedError in place of an error that only says that the store is locked.
+template <class Work>
+void NamingHolder(Database& database, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kLocked) throw LockedError(database);
+    throw;
+  }
+}
+
 // Whether the file is where the connection opened it; what is written to one that was removed or moved away is lost.
 bool StillThere(Database& database);
 // Throws Error (kLocked) when it is not.
