@@ -2,16 +2,15 @@
 #include "slamdb/base/memory.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
+#include <csignal>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <map>
 #include <numeric>
 #include <random>
@@ -24,6 +23,7 @@
 #include "slamdb/base/detail/sanitizers.h"
 #include "slamdb/base/detail/spill_file.h"
 #include "slamdb/base/error.h"
+#include "tests/base/beyond_the_limit.h"
 #include "tests/support/error_of.h"
 #include "tests/support/needs_proc.h"
 #include "tests/support/temporary_folder.h"
@@ -36,9 +36,7 @@ using detail::FreeRanges;
 using detail::SpillFile;
 using ::testing::HasSubstr;
 
-constexpr std::size_t kMegabyte = std::size_t{1} << 20;
 constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
-constexpr const char* kOnDisk = "/var/tmp";
 
 std::uint64_t ResidentBytes() {
   std::ifstream statm("/proc/self/statm");
@@ -204,14 +202,15 @@ TEST(SpillFile, UsesTheSameRoomAgain) {
   EXPECT_TRUE(Holds(second, 3 * kMegabyte, 2));
 }
 
-// Of the file of this process that has no name.
+// Of all files of this process that have no name.
 blkcnt_t BlocksOnDisk() {
+  blkcnt_t blocks = 0;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
     struct stat status {};
     if (::stat(entry.path().c_str(), &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 0)
-      return status.st_blocks;
+      blocks += status.st_blocks;
   }
-  return -1;
+  return blocks;
 }
 
 TEST(SpillFile, GivesTheDiskBack) {
@@ -229,6 +228,36 @@ TEST(SpillFile, GivesTheDiskBack) {
   EXPECT_TRUE(Holds(second, kBlock, 2));
   file.GiveBack(second, kBlock);
   EXPECT_LT(BlocksOnDisk(), one);
+}
+
+// As on a disk that is full.
+TEST(SpillFile, WhatDoesNotFitLeavesTheDiskAsItWas) {
+  SLAMDB_NEEDS_PROC();
+  SpillFile file(kOnDisk, kNoLimit);
+  char* const block = file.Take(kMegabyte);
+  const blkcnt_t before = BlocksOnDisk();
+  rlimit usual{};
+  ::getrlimit(RLIMIT_FSIZE, &usual);
+  const rlimit little{.rlim_cur = 300 * kMegabyte, .rlim_max = usual.rlim_max};
+  const auto signal_before = std::signal(SIGXFSZ, SIG_IGN);
+  ::setrlimit(RLIMIT_FSIZE, &little);
+  const Error full = ErrorOf([&] { file.Take(1000 * kMegabyte); });
+  ::setrlimit(RLIMIT_FSIZE, &usual);
+  std::signal(SIGXFSZ, signal_before);
+  EXPECT_EQ(full.kind(), ErrorKind::kOutOfResources);
+  EXPECT_EQ(BlocksOnDisk(), before);
+  EXPECT_EQ(file.Use().bytes, SpillFile::kAlignment);
+  file.GiveBack(block, kMegabyte);
+}
+
+TEST(SpillFile, BehindAForkBlocksLieBehindThoseThatStay) {
+  SpillFile file(kOnDisk, kNoLimit);
+  char* const first = file.Take(kMegabyte);
+  char* const last = file.Take(kMegabyte);
+  file.GiveBack(first, kMegabyte);
+  file.BeforeFork();
+  file.AfterFork();
+  EXPECT_GT(file.Take(kMegabyte), last);
 }
 
 TEST(SpillFile, LeavesNothingInTheFolder) {
@@ -253,15 +282,6 @@ TEST(SpillFile, TellsWhichFolderItCannotUse) {
 }
 
 // ---- columns
-
-class ColumnsBeyondTheLimit : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (SLAMDB_ADDRESS_SANITIZER || SLAMDB_THREAD_SANITIZER) GTEST_SKIP() << "columns are plain memory";
-    SetMemoryLimit({.bytes = 1, .spill_folder = kOnDisk});
-  }
-  void TearDown() override { SetMemoryLimit({}); }
-};
 
 TEST_F(ColumnsBeyondTheLimit, AreOnDiskAndHoldWhatIsPutIn) {
   const std::uint64_t before = SpilledNow().bytes;
@@ -293,84 +313,33 @@ TEST_F(ColumnsBeyondTheLimit, StayWhereTheyAreWhenItIsLifted) {
   EXPECT_EQ(copy.back(), 5U);
 }
 
-// What a child writes, and what it drops, is its own.
-TEST_F(ColumnsBeyondTheLimit, AreEachProcessOwnBehindAFork) {
-  Column<std::uint64_t> kept(kMegabyte, 5), dropped(kMegabyte, 6);
-  const pid_t child = ::fork();
-  if (child == 0) {
-    const bool same = kept.front() == 5 && kept.back() == 5 && dropped.back() == 6;
-    std::fill(kept.begin(), kept.end(), 7);
-    dropped = {};
-    dropped.shrink_to_fit();
-    const Column<std::uint64_t> made(2 * kMegabyte, 8);
-    ::_exit(same && made.back() == 8 && kept.front() == 7 ? 0 : 1);
+// In turn, far more than the limit in all.
+TEST_F(ColumnsBeyondTheLimit, OfWhichEachFitsAreInMemory) {
+  SetMemoryLimit({.bytes = 512 * kMegabyte, .spill_folder = kOnDisk});
+  const std::uint64_t before = SpilledNow().bytes;
+  for (int turn = 0; turn < 12; ++turn) {
+    const std::vector<Column<std::uint8_t>> large(3, Column<std::uint8_t>(20 * kMegabyte, 1));
+    const std::vector<Column<std::uint8_t>> small(2000, Column<std::uint8_t>(1000, 1));
+    EXPECT_EQ(SpilledNow().bytes, before) << turn;
   }
-  int status = -1;
-  ASSERT_EQ(::waitpid(child, &status, 0), child);
-  EXPECT_EQ(status, 0);
-  EXPECT_TRUE(std::all_of(kept.begin(), kept.end(), [](std::uint64_t value) { return value == 5; }));
-  EXPECT_TRUE(std::all_of(dropped.begin(), dropped.end(), [](std::uint64_t value) { return value == 6; }));
 }
 
-// A process that goes on when it is told to.
-class Later {
- public:
-  explicit Later(const std::function<bool()>& holds) {
-    EXPECT_EQ(::pipe(ends_.data()), 0);
-    child_ = ::fork();
-    if (child_ != 0) return;
-    char told = 0;
-    const bool is_told = ::read(ends_[0], &told, 1) == 1;
-    ::_exit(is_told && holds() ? 0 : 1);
-  }
-  ~Later() {
-    for (const int end : ends_) ::close(end);
-  }
-  Later(const Later&) = delete;
-  Later& operator=(const Later&) = delete;
-
-  bool Holds() const {
-    int status = -1;
-    return ::write(ends_[1], "x", 1) == 1 && ::waitpid(child_, &status, 0) == child_ && status == 0;
-  }
-
- private:
-  std::array<int, 2> ends_{};
-  pid_t child_ = -1;
-};
-
-bool IsAll(const Column<std::uint64_t>& column, std::uint64_t value) {
-  return std::all_of(column.begin(), column.end(), [value](std::uint64_t each) { return each == value; });
+TEST_F(ColumnsBeyondTheLimit, ThatWentCountNoMore) {
+  { const Column<std::uint8_t> on_disk(200 * kMegabyte, 1); }
+  SetMemoryLimit({.bytes = 512 * kMegabyte, .spill_folder = kOnDisk});
+  const std::uint64_t before = SpilledNow().bytes;
+  const Column<std::uint8_t> in_memory(100 * kMegabyte, 1);
+  EXPECT_EQ(SpilledNow().bytes, before);
 }
 
-// What the first process writes, drops and makes after that is not seen by the other.
-TEST_F(ColumnsBeyondTheLimit, AreBehindAForkAsTheyWere) {
-  Column<std::uint64_t> written(4 * kMegabyte, 5), dropped(4 * kMegabyte, 6);
-  const Later child([&] { return IsAll(written, 5) && IsAll(dropped, 6); });
-  std::fill(written.begin(), written.end(), 7);
-  dropped = {};
-  dropped.shrink_to_fit();
-  Column<std::uint64_t> made(16 * kMegabyte, 8);
-  EXPECT_GT(SpilledNow().bytes, 0U);
-  EXPECT_TRUE(child.Holds());
-  EXPECT_TRUE(IsAll(written, 7));
-  EXPECT_TRUE(IsAll(made, 8));
-}
-
-TEST_F(ColumnsBeyondTheLimit, AreBehindForksOfForksAsTheyWere) {
-  Column<std::uint64_t> column(4 * kMegabyte, 5);
-  const Later child([&] {
-    std::fill(column.begin(), column.end(), 6);
-    const Later grandchild([&] { return IsAll(column, 6); });
-    std::fill(column.begin(), column.end(), 7);
-    return grandchild.Holds() && IsAll(column, 7);
-  });
-  Column<std::uint64_t> more(4 * kMegabyte, 8);
-  const Later second([&] { return IsAll(column, 5) && IsAll(more, 8); });
-  std::fill(more.begin(), more.end(), 9);
-  EXPECT_TRUE(child.Holds());
-  EXPECT_TRUE(IsAll(column, 5));
-  EXPECT_TRUE(second.Holds());
+// Half of the limit is for columns in memory.
+TEST_F(ColumnsBeyondTheLimit, LeaveRoomForAllElse) {
+  SetMemoryLimit({.bytes = 256 * kMegabyte, .spill_folder = kOnDisk});
+  const std::uint64_t before = SpilledNow().bytes;
+  const Column<std::uint8_t> in_memory(90 * kMegabyte, 1);
+  EXPECT_EQ(SpilledNow().bytes, before);
+  const Column<std::uint8_t> on_disk(90 * kMegabyte, 1);
+  EXPECT_GE(SpilledNow().bytes, before + 90 * kMegabyte);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <limits>
 #include <mutex>
+#include <new>
 
 #include "slamdb/base/detail/free_memory.h"
 #include "slamdb/base/detail/spill.h"
@@ -33,9 +34,29 @@ struct Limit {
   std::uint64_t bytes = kUnlimited;  // once it is known
 };
 
+Limit* MakeLimit();
+
 Limit& TheLimit() {
-  static auto* limit = new Limit;  // never destroyed either
+  static Limit* limit = MakeLimit();  // never destroyed either
   return *limit;
+}
+
+// A process that forks while another thread of it is at the limit or at the file leaves neither locked.
+Limit* MakeLimit() {
+  const auto before = [] {
+    TheLimit().mutex.lock();
+    if (detail::SpillFile* file = spill_file) file->BeforeFork();
+  };
+  const auto after = [] {
+    if (detail::SpillFile* file = spill_file) file->AfterFork();
+    TheLimit().mutex.unlock();
+  };
+  const auto in_child = [] {
+    if (detail::SpillFile* file = spill_file) file->BecomeChild();
+    TheLimit().mutex.unlock();
+  };
+  if (::pthread_atfork(before, after, in_child) != 0) throw std::bad_alloc();
+  return new Limit;
 }
 
 // What columns may take in memory: the rest is for all else, and for what is looked at of those on disk.
@@ -73,8 +94,6 @@ detail::SpillFile* FileUnder(const Limit& limit) {
     room = kUnlimited;
     return nullptr;
   }
-  ::pthread_atfork([] { spill_file.load()->BeforeFork(); }, [] { spill_file.load()->AfterFork(); },
-                   [] { spill_file.load()->BecomeChild(); });
   return spill_file;
 }
 

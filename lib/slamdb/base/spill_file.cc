@@ -29,8 +29,8 @@ constexpr std::size_t kMostAddresses = std::size_t{1} << 42;
 constexpr std::size_t kStep = SpillFile::kAlignment;           // by which the hand moves
 constexpr std::size_t kChunk = 32 * kStep;                     // room on the disk is taken and given back by so much
 constexpr std::size_t kStepsPerLook = 4;                       // at how much memory is taken
-constexpr std::size_t kLeastResident = std::size_t{16} << 20;  // of the file, and other files: not let go
-constexpr std::chrono::milliseconds kLookEvery{1};
+constexpr std::uint64_t kTouchedPerMs = 4'000'000;             // bytes, by two cores that read as fast as they can
+constexpr std::chrono::milliseconds kSoonest{1}, kLatest{64};  // to look again
 
 std::size_t RoundedUp(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
@@ -93,6 +93,7 @@ SpillFile::SpillFile(const std::string& folder, std::uint64_t limit)
     throw Error(ErrorKind::kUsage, folder_, "",
                 "files there are kept in memory, so what does not fit into it cannot go there; "
                 "MemoryLimit::spill_folder names a folder on disk");
+  other_files_ = ReadResident(statm_.value).of_files;
   Map();
   StartWatching();
 }
@@ -133,7 +134,7 @@ void SpillFile::Map() {
 }
 
 char* SpillFile::Take(std::size_t bytes) {
-  if (forked_) return nullptr;
+  if (closed_) return nullptr;
   const std::size_t room = RoundedUp(bytes, kStep);
   std::unique_lock lock(mutex_);
   const std::size_t begin = ranges_.Take(room);
@@ -160,8 +161,8 @@ void SpillFile::GiveBack(char* block, std::size_t bytes) noexcept {
   const auto begin = static_cast<std::size_t>(block - map_);
   const std::lock_guard lock(mutex_);
   taken_ -= room;
-  if (forked_ || IsKept(begin)) {
-    ::madvise(block, bytes, MADV_DONTNEED);  // the pages that are its own
+  if (closed_ || IsKept(begin)) {
+    ::madvise(block, bytes, MADV_DONTNEED);  // of pages that are its own, the memory
     return;
   }
   Unreserve(begin, room);
@@ -194,17 +195,25 @@ void SpillFile::Reserve(std::size_t begin, std::size_t bytes) {
       error = ::posix_fallocate(file_.value, static_cast<off_t>(chunk * kChunk), static_cast<off_t>(kChunk));
     } while (error == EINTR);
   });
-  if (error != 0) FailToReserve(bytes, error);
+  if (error != 0) {
+    ForEachChunk(begin, bytes, [&](std::size_t chunk, std::size_t) {
+      if (taken_of_chunk_[chunk] == 0) Punch(chunk);
+    });
+    FailToReserve(bytes, error);
+  }
   ForEachChunk(begin, bytes, [&](std::size_t chunk, std::size_t taken) { taken_of_chunk_[chunk] += taken; });
 }
 
 void SpillFile::Unreserve(std::size_t begin, std::size_t bytes) noexcept {
   ForEachChunk(begin, bytes, [&](std::size_t chunk, std::size_t taken) {
     taken_of_chunk_[chunk] -= taken;
-    if (taken_of_chunk_[chunk] == 0)
-      ::fallocate(file_.value, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(chunk * kChunk),
-                  static_cast<off_t>(kChunk));
+    if (taken_of_chunk_[chunk] == 0) Punch(chunk);
   });
+}
+
+void SpillFile::Punch(std::size_t chunk) noexcept {
+  ::fallocate(file_.value, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(chunk * kChunk),
+              static_cast<off_t>(kChunk));
 }
 
 void SpillFile::FailToReserve(std::size_t bytes, int error) const {
@@ -216,7 +225,7 @@ void SpillFile::FailToReserve(std::size_t bytes, int error) const {
 }
 
 void SpillFile::LetGo() {
-  if (forked_) return;
+  if (closed_) return;
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (lock.owns_lock() && taken_ > 0) Trim(0);
 }
@@ -226,26 +235,34 @@ Spilled SpillFile::Use() {
   return {.bytes = taken_, .most = most_, .folder = folder_};
 }
 
+// Looks again when as much as is free under the limit can have been touched; less and less often where nothing is free
+// and nothing can be let go.
 void SpillFile::Watch() {
   std::unique_lock lock(mutex_);
-  while (!stopped_) {
+  for (std::chrono::milliseconds wait = kSoonest; !stopped_;) {
     changed_.wait(lock, [this] { return stopped_ || taken_ > 0; });
-    Trim(0);
-    changed_.wait_for(lock, kLookEvery, [this] { return stopped_; });
+    const std::uint64_t free = Trim(0);
+    wait = free == 0 ? 2 * wait : std::chrono::milliseconds(free / kTouchedPerMs);
+    wait = std::clamp(wait, kSoonest, kLatest);
+    changed_.wait_for(lock, wait, [this] { return stopped_; });
   }
 }
 
-// Makes room for what is about to be touched. Moves the hand once round at most: what is resident then is not the
-// file's.
-void SpillFile::Trim(std::uint64_t soon) {
+// Makes room for what is about to be touched; returns how much is free then. Moves the hand once round at most: what is
+// resident then is not the file's.
+std::uint64_t SpillFile::Trim(std::uint64_t soon) {
   const std::uint64_t limit = limit_, most = limit - std::min(soon, limit / 4);
-  if (ReadResident(statm_.value).all <= most) return;
+  const auto free = [most](const Resident& resident) { return most - std::min(most, resident.all); };
+  Resident resident = ReadResident(statm_.value);
+  if (free(resident) > 0) return free(resident);
   const std::uint64_t wanted = most - most / 8;  // a little less, so that the next look finds nothing to do
+  const std::uint64_t others = other_files_ + kStepsPerLook * kStep;
   for (std::size_t passed = kept_; passed < ranges_.end(); passed += kStepsPerLook * kStep) {
     for (std::size_t i = 0; i < kStepsPerLook; ++i) PassStep();
-    const Resident resident = ReadResident(statm_.value);
-    if (resident.all <= wanted || resident.of_files <= kLeastResident) return;
+    resident = ReadResident(statm_.value);
+    if (resident.all <= wanted || resident.of_files <= others) break;
   }
+  return free(resident);
 }
 
 void SpillFile::PassStep() {
@@ -258,10 +275,13 @@ void SpillFile::PassStep() {
 // part as with other memory. Of a range that was kept before, pages may have been written: it stays.
 void SpillFile::KeepForBoth() {
   const std::size_t end = std::max(ranges_.end(), kept_);
-  if (end == kept_) return;
+  if (end == kept_ || closed_) return;
   constexpr int kProtection = PROT_READ | PROT_WRITE, kFlags = MAP_PRIVATE | MAP_NORESERVE | MAP_FIXED;
-  if (::mmap(map_ + kept_, end - kept_, kProtection, kFlags, file_.value, static_cast<off_t>(kept_)) == MAP_FAILED)
-    return;  // too many mappings: the processes then share what they write
+  void* const kept = ::mmap(map_ + kept_, end - kept_, kProtection, kFlags, file_.value, static_cast<off_t>(kept_));
+  if (kept == MAP_FAILED) {
+    closed_ = true;
+    return;
+  }
   ranges_.Retire();
   hand_ = kept_ = end;
 }

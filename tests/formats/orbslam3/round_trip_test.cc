@@ -193,6 +193,23 @@ TEST(ReadOrbslam3, PartSizesAddUpToTheFile) {
   EXPECT_EQ(keypoints->bytes, bytes);
 }
 
+// Entries that are no new point end what is decoded in one piece.
+TEST(ReadOrbslam3, PointsMayBeRepeatedAnywhere) {
+  Atlas atlas = SynthesizeAtlas({.keyframes = 8, .points = 2000, .features = 1200});
+  atlas.maps[0].repeated_points = {{.position = 0, .owner_map = RepeatedEntry::kNull},
+                                   {.position = 100, .owner_map = RepeatedEntry::kNull},
+                                   {.position = 300, .owner_map = 0, .row = 5},
+                                   {.position = 1027, .owner_map = 0, .row = 1023},
+                                   {.position = 2004, .owner_map = RepeatedEntry::kNull}};
+  const TemporaryFolder folder;
+  const std::string path = folder.Path("repeated.osa");
+  Notices notices;
+  WriteOrbslam3(atlas, path, {.sync = false}, notices);
+  ASSERT_GT(std::filesystem::file_size(path), std::uintmax_t{1} << 20);  // enough for two threads
+  EXPECT_EQ(ReadWith(path, 2).maps[0].repeated_points, atlas.maps[0].repeated_points);
+  ExpectSameBytesAfterWriting(path);
+}
+
 // Cells as no camera makes them, around the size from which on columns do not go through the window.
 TEST(ReadOrbslam3, CellsOfTheGridMayBeOfAnySize) {
   Atlas atlas = SynthesizeAtlas({.keyframes = 9, .points = 500, .features = 1200});

@@ -22,11 +22,13 @@ namespace slamdb::detail {
 //
 // The process' resident memory is kept under a limit by letting pages of the file go, which is safe at any time: they
 // are in the page cache, or on the disk, and come back when they are looked at. A hand walks round the file and lets go
-// as it passes. It moves when a block is taken, and on a thread that looks every few milliseconds while any is.
+// as it passes. It moves when a block is taken, and on a thread that looks while any is, the oftener the less is free
+// under the limit.
 //
 // A fork leaves both processes what there is, as it is then: from there on the pages are each one's own where it
 // writes, as those of other memory are. What is on the disk stays there until both have ended, and is let go by none.
-// The process that forked takes its blocks behind it, the other takes none.
+// The process that forked takes its blocks behind it, the other takes none. Where the system gives no mapping more by
+// which to keep the two apart, they share what they write, and none takes any or gives any back from there on.
 //
 // Thread-safe.
 class SpillFile {
@@ -39,7 +41,8 @@ class SpillFile {
   SpillFile(const SpillFile&) = delete;
   SpillFile& operator=(const SpillFile&) = delete;
 
-  // Null in a process that was forked. Throws Error (kOutOfResources) when the disk is full.
+  // Null once the file is closed, as it is in a process that was forked. Throws Error (kOutOfResources) when the disk
+  // is full.
   char* Take(std::size_t bytes);
   void GiveBack(char* block, std::size_t bytes) noexcept;
 
@@ -56,7 +59,7 @@ class SpillFile {
   }
   void AfterFork() { mutex_.unlock(); }
   void BecomeChild() {
-    forked_ = true;
+    closed_ = true;
     mutex_.unlock();
   }
 
@@ -65,11 +68,12 @@ class SpillFile {
   void Reserve(std::size_t begin, std::size_t bytes);
   void Unreserve(std::size_t begin, std::size_t bytes) noexcept;
   [[noreturn]] void FailToReserve(std::size_t bytes, int error) const;
+  void Punch(std::size_t chunk) noexcept;
   void KeepForBoth();
   bool IsKept(std::size_t begin) const { return begin < kept_; }
   void StartWatching();
   void Watch();
-  void Trim(std::uint64_t soon);
+  std::uint64_t Trim(std::uint64_t soon);
   void PassStep();
 
   std::string folder_;
@@ -78,7 +82,7 @@ class SpillFile {
   char* map_ = nullptr;
   std::size_t map_bytes_ = 0;
   std::atomic<std::uint64_t> limit_;
-  std::atomic<bool> forked_ = false;  // this process was
+  std::atomic<bool> closed_ = false;  // no block is taken any more, and nothing punched that was
   std::mutex mutex_;                  // guards the rest
   std::condition_variable changed_;
   bool stopped_ = false;
@@ -86,7 +90,8 @@ class SpillFile {
   std::vector<std::size_t> taken_of_chunk_;  // bytes; a chunk of which none are has no room on the disk
   std::uint64_t taken_ = 0, most_ = 0;
   std::size_t hand_ = 0;
-  std::size_t kept_ = 0;  // bytes from the beginning that are as they were when this process forked
+  std::uint64_t other_files_ = 0;  // pages of them in memory when this one was made, in bytes
+  std::size_t kept_ = 0;           // bytes from the beginning that are as they were when this process forked
   std::thread watcher_;
 };
 

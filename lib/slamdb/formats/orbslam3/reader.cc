@@ -52,6 +52,7 @@ class AtlasReader {
       ReadCameras();
       LayoutCounters(main_, atlas_.next_ids);
     } catch (...) {
+      if (open_) AddJob(file_.size());
       team_.Finish();  // throws instead what went wrong earlier in the file, if anything did
       throw;
     }
@@ -193,10 +194,10 @@ class AtlasReader {
     file_.Release(decoder.input.offset());
   }
   void TakeKeyFrame(Skipper<Input>& skipper, KeyFrame& keyframe) {
-    DecodeJob job = JobAt(skipper);
-    job.keyframe = &keyframe;
-    FindEnd(skipper, job, [&] { LayoutKeyFrame(skipper, keyframe); });
-    team_.Add(job);
+    open_ = JobAt(skipper);
+    open_->keyframe = &keyframe;
+    LayoutKeyFrame(skipper, keyframe);
+    AddJob(EndOf(skipper));
   }
 
   void TakePoint(Decoder<Input>& decoder, MapPoint& point) {
@@ -205,34 +206,27 @@ class AtlasReader {
   }
   // Points that follow each other are one job.
   void TakePoint(Skipper<Input>& skipper, MapPoint& point) {
-    if (points_.point_count == 0) {
-      points_ = JobAt(skipper);
-      points_.points = &point;
+    if (!open_) {
+      open_ = JobAt(skipper);
+      open_->points = &point;
     }
-    ++points_.point_count;
-    FindEnd(skipper, points_, [&] { LayoutMapPoint(skipper, point); });
-    if (points_.point_count == kPointsPerJob) EndPoints(skipper);
+    ++open_->point_count;
+    LayoutMapPoint(skipper, point);
+    open_->end = EndOf(skipper);
+    if (open_->point_count == kPointsPerJob) EndPoints(skipper);
   }
   void EndPoints(const Decoder<Input>&) {}
   void EndPoints(const Skipper<Input>&) {
-    if (points_.point_count > 0) team_.Add(points_);
-    points_.point_count = 0;
+    if (open_) AddJob(open_->end);
+  }
+  void AddJob(std::size_t end) {
+    open_->end = end;
+    team_.Add(*open_);
+    open_.reset();
   }
 
   static DecodeJob JobAt(const Skipper<Input>& skipper) {
     return {.offset = skipper.input.offset(), .classes = skipper.classes, .place = skipper.input.place};
-  }
-  // Where the end of a record cannot be found, decoding it fails too, at the place that a reader on one thread names.
-  template <class SkipRecord>
-  void FindEnd(const Skipper<Input>& skipper, DecodeJob& job, const SkipRecord& skip_record) {
-    try {
-      skip_record();
-    } catch (const Error&) {
-      job.end = file_.size();
-      team_.Add(job);
-      throw;
-    }
-    job.end = EndOf(skipper);
   }
   // Where the record behind the cursor ends; a text record includes the space that ends its last token.
   static std::size_t EndOf(const Skipper<Input>& skipper) { return skipper.input.offset() + (Input::kText ? 1 : 0); }
@@ -272,9 +266,9 @@ class AtlasReader {
   Atlas atlas_;
   bool whole_ = true;
   ObjectTable objects_;
-  DecodeJob points_{.classes = ClassTable({}), .place = {}};  // the job that map points are being added to
-  Decoder<Input> main_;                                       // the cursor of the calling thread
-  DecodeTeam<Input> team_;                                    // last: it stops before what it fills goes away
+  Decoder<Input> main_;            // the cursor of the calling thread
+  std::optional<DecodeJob> open_;  // the job whose end is being looked for; where that fails, decoding fails before it
+  DecodeTeam<Input> team_;         // last: it stops before what it fills goes away
 };
 
 // What was read as of v1.0, and whether nothing stands behind it.

@@ -27,8 +27,28 @@ std::string OwnerOf(Database& database) {
                                                                      : "the SQLite database of another program";
 }
 
+// Which tables are plain ones; asked more than once, as reading a statement takes longer than running it.
+class PlainTables {
+ public:
+  explicit PlainTables(Database& database)
+      : select_(database,
+                "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1 AND (rootpage > 0 OR sql LIKE "
+                "'CREATE VIRTUAL TABLE map_point_box USING rtree%') AND NOT EXISTS "
+                "(SELECT 1 FROM pragma_table_xinfo(?1) WHERE hidden > 1)") {}
+
+  bool Have(std::string_view table) {
+    const bool has = select_.BindText(1, table).Step();
+    select_.Reset();
+    return has;
+  }
+
+ private:
+  Statement select_;
+};
+
 // A damaged or hostile file may lack a table, or have something else of its name.
 void CheckTables(Database& database, int version, Derived derived) {
+  PlainTables plain(database);
   for (const char* table :
        {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features", "keyframe_link",
         "map_point", "map_point_box", "observation", "history", "writer", "landmark", "keyframe_words", "carried"}) {
@@ -38,7 +58,7 @@ void CheckTables(Database& database, int version, Derived derived) {
     const bool is_needed = table != std::string_view("map_point_box") && table != std::string_view("keyframe_words") &&
                            table != std::string_view("carried");
     if (derived == Derived::kNotNeeded && !is_needed) continue;
-    if (!HasPlainTable(database, table)) {
+    if (!plain.Have(table)) {
       throw Error(ErrorKind::kDamaged, database.path(), std::string("table ") + table, "missing: the store is damaged");
     }
   }
@@ -46,13 +66,7 @@ void CheckTables(Database& database, int version, Derived derived) {
 
 }  // namespace
 
-bool HasPlainTable(Database& database, std::string_view table) {
-  Statement statement(database,
-                      "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?1 AND (rootpage > 0 OR sql LIKE "
-                      "'CREATE VIRTUAL TABLE map_point_box USING rtree%') AND NOT EXISTS "
-                      "(SELECT 1 FROM pragma_table_xinfo(?1) WHERE hidden > 1)");
-  return statement.BindText(1, table).Step();
-}
+bool HasPlainTable(Database& database, std::string_view table) { return PlainTables(database).Have(table); }
 
 Header HeaderOf(std::string_view head) {
   Header header;
