@@ -89,13 +89,13 @@ class Inputs:
         subprocess.run([self.bench, *map(str, words)], check=True)
 
     def count(self, name, row):
-        """Bytes of the atlas, and the instructions of a row or a command line."""
+        """Bytes of the file that a row is about, 0 of a command line, and the instructions of either."""
         with tempfile.TemporaryDirectory(dir=self.folder) as own:
             own = pathlib.Path(own)
             shutil.copytree(self.folder / name, own, dirs_exist_ok=True)
-            size = (own / "a.osa").stat().st_size
+            size = (own / ("a.text.osa" if row.endswith("-text") else "a.osa")).stat().st_size
             if row.startswith("slamdb "):
-                return size, count([self.build / "slamdb", *row.split()[1:]], own)
+                return 0, count([self.build / "slamdb", *row.split()[1:]], own)
             return size, count([self.bench, "--measure", row, "--folder", ".", "--name", "a"], own, "--instr-atstart=no")
 
 
@@ -122,7 +122,7 @@ def write_table(made, counts):
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(["row", "atlas", "bytes", "instructions", "per byte"])
         for (row, atlas), (size, instructions) in counts.items():
-            table.writerow([row, atlas, size, instructions, f"{instructions / size:.2f}"])
+            table.writerow([row, atlas, size or "", instructions, f"{instructions / size:.2f}" if size else ""])
 
 
 def compare(known, counts):

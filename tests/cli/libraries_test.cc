@@ -35,6 +35,42 @@ TEST(Libraries, AVerbGoesOnWithThemWhereverTheCommandIsCalledFrom) {
   EXPECT_THAT(ReadWholeFile(plot), HasSubstr("<svg"));
 }
 
+// Beside the command lies a program that only tells how it was called.
+class VerbsWithLibraries : public ::testing::TestWithParam<std::vector<std::string>> {};
+
+TEST_P(VerbsWithLibraries, GoOnAsTheOtherProgramBeforeTheyReadOrWriteAnything) {
+  if (!fs::exists(fs::path(SLAMDB_COMMAND).parent_path() / "libexec/slamdb/slamdb")) GTEST_SKIP() << "is one program";
+  const TemporaryFolder folder;
+  const fs::path command = folder.path() / "bin/slamdb", other = folder.path() / "libexec/slamdb/slamdb";
+  fs::create_directories(command.parent_path());
+  fs::create_directories(other.parent_path());
+  fs::copy_file(SLAMDB_COMMAND, command);
+  WriteWholeFile(other, "#!/bin/sh\necho \"went on: $*\"\n");
+  fs::permissions(other, fs::perms::owner_all);
+  std::vector<std::string> words = {command};
+  std::string told = "went on:";
+  for (const std::string& word : GetParam()) told += " " + words.emplace_back(word);
+  const ProcessResult result = RunProgram(words);
+  EXPECT_EQ(result.out, told + "\n") << result.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VerbsWithLibraries,
+                         ::testing::ValuesIn(std::vector<std::vector<std::string>>{
+                             {"plot", "not-there.osa", "-o", "p.svg"},
+                             {"report", "not-there.osa", "-o", "r"},
+                             {"optimize", "not-there.osa", "-o", "o.osa"},
+                             {"close-loops", "not-there.osa", "-o", "o.osa"},
+                             {"merge", "--align", "not-there.osa", "nor-this.osa", "-o", "o.osa"},
+                             {"align", "not-there.osa", "nor-this.osa", "--plot", "p.svg"},
+                             {"locate", "not-there.osa", "picture.png"},
+                             {"convert", "not-there.osa", "model", "--to", "nerf", "--images", "pictures"},
+                         }),
+                         [](const auto& line) {
+                           std::string name = line.param[0];
+                           std::erase(name, '-');
+                           return name;
+                         });
+
 // As when somebody has copied the one file.
 TEST(Libraries, OfTheCommandAloneAllOtherVerbsWork) {
   const TemporaryFolder folder;
@@ -45,7 +81,7 @@ TEST(Libraries, OfTheCommandAloneAllOtherVerbsWork) {
   const ProcessResult refused = RunProgram({alone, "plot", kSession, "-o", plot});
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.err, AllOf(HasSubstr((folder.path() / "libexec/slamdb/slamdb").string()), HasSubstr("Cairo"),
-                                 HasSubstr("No such file")));
+                                 HasSubstr("which belongs here: install both"), HasSubstr("No such file")));
   EXPECT_FALSE(fs::exists(plot));
 }
 

@@ -96,7 +96,7 @@ CheckReport CheckAtlas(const Atlas& atlas, const CheckOptions& options) {
   report.statistics = ComputeStatistics(atlas, options.threads);
   std::vector<detail::Observers> observers;
   for (std::size_t map = 0; map < atlas.maps.size(); ++map) observers.emplace_back(index, map);
-  const Subject subject{atlas, index, observers, report.statistics, options};
+  const Subject subject{atlas, index, observers.data(), report.statistics, options};
 
   std::vector<Findings> findings(plan.size(), Findings(options.max_findings));
   detail::ParallelFor(plan.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {

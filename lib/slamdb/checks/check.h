@@ -26,7 +26,7 @@ struct CheckOptions;
 struct Subject {
   const Atlas& atlas;
   const AtlasIndex& index;
-  std::span<const detail::Observers> observers;  // by map
+  const detail::Observers* observers;  // one for each map
   const AtlasStatistics& statistics;
   const CheckOptions& options;
 };

@@ -32,7 +32,7 @@ class Pieces {
       Grow(bytes);
     return std::exchange(next_, next_ + bytes);
   }
-  // Takes back the last of them.
+  // Takes back the last of them, of what was added behind the last column.
   void Shorten(std::size_t bytes) { next_ -= bytes; }
   // Bytes that outlive this.
   void Refer(Bytes column) { columns_.push_back({collected(), column}); }

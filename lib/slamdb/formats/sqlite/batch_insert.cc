@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/batch_insert.h"
 
+#include <cassert>
+#include <exception>
 #include <new>
 
 #include "slamdb/base/detail/concat.h"
@@ -119,9 +121,14 @@ constexpr sqlite3_module kMethods = {
 }  // namespace
 
 BatchInsert::BatchInsert(Database& database, std::string table, std::size_t columns)
-    : database_(database), table_(std::move(table)), columns_(columns) {}
+    : database_(database), table_(std::move(table)), columns_(columns) {
+  assert(columns <= kMostColumns);
+}
+
+BatchInsert::~BatchInsert() { assert(waiting_.empty() || std::uncaught_exceptions() > 0); }
 
 void BatchInsert::Add(std::span<const Value> row) {
+  assert(row.size() == columns_);
   waiting_.insert(waiting_.end(), row.begin(), row.end());
   if (waiting_.size() > kMostWaiting) Flush();
 }

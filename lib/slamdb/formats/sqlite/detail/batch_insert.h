@@ -27,6 +27,9 @@ class BatchInsert {
  public:
   // At most 26 columns.
   BatchInsert(Database& database, std::string table, std::size_t columns);
+  ~BatchInsert();
+  BatchInsert(const BatchInsert&) = delete;
+  BatchInsert& operator=(const BatchInsert&) = delete;
 
   // All columns of a row, in order. Texts and blobs must live until Flush().
   void Add(std::span<const Value> row);
