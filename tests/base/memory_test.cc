@@ -66,7 +66,6 @@ TEST(FreeRanges, TakesWhatIsFreeAndNothingTwice) {
   std::mt19937 random(3);
   FreeRanges ranges;
   std::map<std::size_t, std::size_t> taken;
-  std::size_t sum = 0;
   for (int step = 0; step < 4000; ++step) {
     if (taken.empty() || random() % 2 == 0) {
       const std::size_t bytes = 1 + random() % 9;
@@ -75,11 +74,9 @@ TEST(FreeRanges, TakesWhatIsFreeAndNothingTwice) {
       ASSERT_TRUE(behind == taken.end() || begin + bytes <= behind->first);
       ASSERT_TRUE(behind == taken.begin() || std::prev(behind)->first + std::prev(behind)->second <= begin);
       taken.emplace(begin, bytes);
-      sum += bytes;
     } else {
       auto gone = std::next(taken.begin(), static_cast<std::ptrdiff_t>(random() % taken.size()));
       ranges.GiveBack(gone->first, gone->second);
-      sum -= gone->second;
       taken.erase(gone);
     }
     ASSERT_EQ(ranges.end(), taken.empty() ? 0 : taken.rbegin()->first + taken.rbegin()->second);
