@@ -74,16 +74,15 @@ class Cursor {
   Place place;
 
  protected:
+  static constexpr std::size_t kLarge = std::size_t{1} << 13;
+
   // Makes sure that `bytes` bytes can be looked at.
   void Need(std::size_t bytes) {
     if (bytes > static_cast<std::size_t>(end_ - next_)) ReadOn(bytes);
   }
   [[gnu::cold, gnu::noinline]] void ReadOn(std::size_t bytes);
   // Whether an array of that size is left out of the window.
-  bool IsLarge(std::size_t bytes) const {
-    constexpr std::size_t kLarge = std::size_t{1} << 13;
-    return bytes >= kLarge && leaves_out_;
-  }
+  bool IsLarge(std::size_t bytes) const { return bytes >= kLarge && leaves_out_; }
   // Passes a large array.
   void LeaveOut(std::size_t bytes);
   std::string WholeSoFar() const;
@@ -188,11 +187,14 @@ class BinaryInput : public Cursor {
     if (encoding_->size_bytes != kBytes) return 0;
     const char* at = next_;
     std::size_t taken = 0;
-    auto left = (end_ - next_) / static_cast<std::ptrdiff_t>(kBytes) - static_cast<std::ptrdiff_t>(beyond);
+    auto left = (end_ - next_) / static_cast<std::ptrdiff_t>(kBytes);
+    if (leaves_out_)
+      left = std::min(left, static_cast<std::ptrdiff_t>(kLarge / kBytes));  // so no vector in it is large
+    left -= static_cast<std::ptrdiff_t>(beyond);
     for (; taken < count && left > 0; ++taken) {
       std::uint64_t length;
       std::memcpy(&length, at, kBytes);
-      if (length >= static_cast<std::uint64_t>(left) || IsLarge(length * kBytes)) break;
+      if (length >= static_cast<std::uint64_t>(left)) break;
       visit(static_cast<std::size_t>(length), at + kBytes);
       at += kBytes * (1 + length);
       left -= static_cast<std::ptrdiff_t>(1 + length);
