@@ -26,12 +26,15 @@ double FactorOf(std::string unit) {
 }  // namespace
 
 std::optional<std::uint64_t> ParseByteSize(std::string_view text) {
+  if (text.starts_with('+') || text.starts_with('-')) return std::nullopt;
   const std::size_t unit = text.find_last_of("0123456789.") + 1;
   const auto number = detail::ParseNumber<double>(text.substr(0, unit));
   const double factor = FactorOf(std::string(text.substr(unit)));
   const double bytes = number.value_or(-1) * factor;
   constexpr double kMost = 9e18;
-  return factor > 0 && bytes >= 0 && bytes < kMost ? std::optional(static_cast<std::uint64_t>(bytes)) : std::nullopt;
+  const bool is_part_of_one = bytes > 0 && bytes < 1;
+  return factor > 0 && bytes >= 0 && bytes < kMost && !is_part_of_one ? std::optional(static_cast<std::uint64_t>(bytes))
+                                                                      : std::nullopt;
 }
 
 CLI::Option* AddByteSize(CLI::App& verb, const std::string& names, const Limits& limits,

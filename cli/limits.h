@@ -23,7 +23,8 @@ inline constexpr Limits kNonNegative{.low = 0};
 inline constexpr Limits kPositive{.low = 0, .above_low = true};
 inline constexpr Limits kShare{.low = 0, .high = 1};
 inline constexpr Limits kThreads{.low = 0, .high = 1024};
-inline constexpr Limits kMemory{.low = 0, .high = 1e15};  // bytes
+inline constexpr Limits kMemory{.low = 0, .high = 1e15};     // bytes
+inline constexpr Limits kAtlasMade{.low = 1, .high = 1e15};  // bytes
 inline constexpr Limits kBitsOfDescriptor{.low = 0, .high = 256};
 inline constexpr Limits kLocateFeatures{.low = 100, .high = 100'000};
 inline constexpr Limits kLayoutChoice{.low = 1, .high = 1000};

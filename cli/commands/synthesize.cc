@@ -137,7 +137,7 @@ Run AddSynthesize(CLI::App& verb) {
       ->group(kGroup);
   AddSessions(verb, options);
   AddByteSize(
-      verb, "--size", kMemory, [options](std::uint64_t bytes) { options->size = bytes; },
+      verb, "--size", kAtlasMade, [options](std::uint64_t bytes) { options->size = bytes; },
       "Keyframes and points for a binary .osa of about this size, such as 200MB")
       ->excludes(keyframes)
       ->excludes(points)

@@ -171,6 +171,16 @@ TEST_F(Spill, TellsOfAFullDisk) {
                     HasSubstr("--memory allows more memory")));
 }
 
+TEST_F(Spill, SizesMayHaveFractionsAndUnits) {
+  const auto told = [&](const std::string& size) {
+    return RunSlamdb({"info", folder_ / "a.osa", "--memory=" + size}).err;
+  };
+  for (const char* size : {"0", "1000000000", "1e9", "500MB", "1.5GiB", ".5g", "1gb", "2Ti"})
+    EXPECT_EQ(told(size), "") << size;
+  for (const char* size : {"1.5Q", "50%", "-1", "+5", "1 GB", "inf", "nan", "0.1", "1..2", "GB", "1001TB", "1ib"})
+    EXPECT_THAT(told(size), HasSubstr("expected bytes, at most 1.0 PB, such as 500MB or 1.5GiB")) << size;
+}
+
 TEST_F(Spill, IsNotMadeWithoutNeed) {
   EXPECT_EQ(RunSlamdb({"info", folder_ / "a.osa", "--spill", "/var/tmp/not/there"}).exit_code, 0);
 }

@@ -2,8 +2,12 @@
 #include "slamdb/many/list.h"
 
 #include <gmock/gmock.h>
+#include <sqlite3.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "slamdb/base/error.h"
@@ -50,6 +54,33 @@ class ListTest : public ::testing::Test {
   TemporaryFolder folder_;
   Atlas small_, large_;
 };
+
+// Of the index of names, the first two in each other's place.
+void SwapNames(const std::string& store) {
+  sqlite3* database = nullptr;
+  sqlite3_stmt* statement = nullptr;
+  sqlite3_open(store.c_str(), &database);
+  const char* const root = "SELECT rootpage FROM sqlite_schema WHERE name = 'sqlite_autoindex_atlas_1'";
+  sqlite3_prepare_v2(database, root, -1, &statement, nullptr);
+  ASSERT_EQ(sqlite3_step(statement), SQLITE_ROW);
+  const auto page = static_cast<std::streamoff>(sqlite3_column_int64(statement, 0));
+  sqlite3_finalize(statement);
+  sqlite3_close(database);
+  constexpr std::streamoff kPageBytes = 8192, kHeaderOfLeaf = 8;
+  std::fstream file(store, std::ios::in | std::ios::out | std::ios::binary);
+  std::array<char, 4> cells{};  // where the first two are in the page
+  file.seekg((page - 1) * kPageBytes + kHeaderOfLeaf).read(cells.data(), cells.size());
+  std::rotate(cells.begin(), cells.begin() + 2, cells.end());
+  file.seekp((page - 1) * kPageBytes + kHeaderOfLeaf).write(cells.data(), cells.size());
+}
+
+TEST_F(ListTest, ADamagedIndexOfNamesLeavesNoAtlasBlank) {
+  SwapNames(folder_ / "s.db");
+  const std::vector<ListedAtlas> list = List({folder_ / "s.db"});
+  ASSERT_THAT(Names(list), ElementsAre("large", "small"));
+  for (const ListedAtlas& atlas : list)
+    EXPECT_TRUE(!atlas.failure.empty() || atlas.summary.keyframes == (atlas.name == "small" ? 4U : 9U)) << atlas.name;
+}
 
 TEST_F(ListTest, FilesAndStoresTellTheSame) {
   const std::vector<ListedAtlas> list = ListAll();

@@ -42,6 +42,10 @@ StoreRows ReadStore(const std::string& path, const ListOptions& options) {
     Store store = Store::Open(path, options.lock_timeout);
     rows.atlases = store.List();
     if (!options.query.everything()) rows.matching = store.Find(options.query);
+    // A damaged index may tell them in another order.
+    if (!std::ranges::is_sorted(rows.atlases, {}, &StoredAtlas::name))
+      std::ranges::sort(rows.atlases, {}, &StoredAtlas::name);
+    if (rows.matching) std::ranges::sort(*rows.matching);
   } catch (const Error& error) {
     rows.failure = error.what();
   }
@@ -114,7 +118,8 @@ class Lister {
     const StoredAtlas* stored = store.Find(input.location.name);
     if (stored == nullptr) {  // the reader knows what there is instead
       (void)ReadAtlas(input.location, read);
-      return true;
+      throw Error(ErrorKind::kDamaged, atlas.input, "table atlas",
+                  "is not among the atlases that the store tells of, but is found: the store is damaged");
     }
     if (!store.Matches(input.location.name)) return false;
     Describe(*stored, atlas);

@@ -52,8 +52,8 @@ class AtlasReader {
       ReadCameras();
       LayoutCounters(main_, atlas_.next_ids);
     } catch (...) {
-      if (open_) AddJob(file_.size());
       team_.Finish();  // throws instead what went wrong earlier in the file, if anything did
+      DecodeOpen();    // and this, what goes wrong before the place where passing over it did
       throw;
     }
     team_.Finish();
@@ -219,6 +219,14 @@ class AtlasReader {
   void EndPoints(const Skipper<Input>&) {
     if (open_) AddJob(open_->end);
   }
+  // Only tokens can be passed over further than they can be decoded. The cursor of its own reads on, as the job has no
+  // end yet.
+  void DecodeOpen() {
+    if (!Input::kText || !open_) return;
+    Input input(&file_, main_.input.encoding());
+    input.Seek(open_->offset);
+    static_cast<void>(team_.Decode(*open_, input));
+  }
   void AddJob(std::size_t end) {
     open_->end = end;
     team_.Add(*open_);
@@ -267,7 +275,7 @@ class AtlasReader {
   bool whole_ = true;
   ObjectTable objects_;
   Decoder<Input> main_;            // the cursor of the calling thread
-  std::optional<DecodeJob> open_;  // the job whose end is being looked for; where that fails, decoding fails before it
+  std::optional<DecodeJob> open_;  // the job whose end is being looked for
   DecodeTeam<Input> team_;         // last: it stops before what it fills goes away
 };
 
@@ -287,18 +295,21 @@ OwnReading ReadArchive(detail::FileStream& file, const ArchiveHeader& header, co
   return reading;
 }
 
-// What makes a reading with other widths of long and size_t worth a try; not that the disk fails or the user cancels.
+// What makes a reading with other widths of long and size_t worth a try: a place in the file whose bytes cannot stand
+// there; not that the disk fails or the user cancels.
 bool IsOfTheBytes(const Error& error) {
-  return error.kind() == ErrorKind::kDamaged || error.kind() == ErrorKind::kUnsupported;
+  return (error.kind() == ErrorKind::kDamaged || error.kind() == ErrorKind::kUnsupported) && !error.place().empty();
 }
 
 // Text does not say how wide the writer's long and size_t were, which decides what vectors are of one class. Nearly
 // every writer is a 64-bit Unix; what does not read as such may be from Windows or a 32-bit system. Nothing when it is
-// not.
-std::optional<OwnReading> ReadTextOfShorterLongs(const Source& source, const ReadOptions& options, Notices& notices) {
+// not, and when the file has grown or shrunk since: what was read first is then only a part of it.
+std::optional<OwnReading> ReadTextOfShorterLongs(const Source& source, std::size_t size, const ReadOptions& options,
+                                                 Notices& notices) {
   for (const std::uint8_t size_bytes : {std::uint8_t{8}, std::uint8_t{4}}) {
     try {
       detail::FileStream file(source);
+      if (file.size() != size) return std::nullopt;
       Notices known;
       ArchiveHeader header = ReadArchiveHeader(file, known);
       header.encoding.long_bytes = 4;
@@ -319,7 +330,7 @@ OwnReading ReadEither(const Source& source, const ReadOptions& options, Notices&
     return ReadArchive<TextInput>(file, header, options, notices);
   } catch (const Error& error) {
     if (!IsOfTheBytes(error)) throw;
-    if (auto reading = ReadTextOfShorterLongs(source, options, notices)) return *std::move(reading);
+    if (auto reading = ReadTextOfShorterLongs(source, file.size(), options, notices)) return *std::move(reading);
     throw;
   }
 }

@@ -34,7 +34,8 @@ void CreateSchema(Database& database) {
 }  // namespace
 
 bool IsEmptyDatabase(Database& database) {
-  return database.Integer("PRAGMA application_id") == 0 && !HasTables(database);
+  return database.Integer("PRAGMA application_id") == 0 && database.Integer("PRAGMA user_version") == 0 &&
+         !HasTables(database);
 }
 
 bool IsUnused(Database& database) {

@@ -59,6 +59,19 @@ class DecodeTeam {
   }
   const PartBytes& part_bytes() const { return part_bytes_; }
 
+  // Decodes a job on this thread, `input` being where it begins.
+  PartBytes Decode(const DecodeJob& job, Input input) const {
+    input.place = job.place;
+    Decoder<Input> decoder(input, job.classes, features_);
+    decoder.Restart();
+    if (job.keyframe != nullptr) LayoutKeyFrame(decoder, *job.keyframe);
+    for (std::size_t i = 0; i < job.point_count; ++i) {
+      if (i > 0) SkipKnownPointer(decoder);
+      LayoutMapPoint(decoder, job.points[i]);
+    }
+    return decoder.part_bytes();
+  }
+
  private:
   static constexpr std::size_t kMostWaitingBytes = std::size_t{8} << 20;
 
@@ -122,15 +135,7 @@ class DecodeTeam {
   PartBytes Decode(const DecodeJob& job) const {
     Input input = input_;
     input.Confine(job.offset, job.end);
-    input.place = job.place;
-    Decoder<Input> decoder(input, job.classes, features_);
-    decoder.Restart();
-    if (job.keyframe != nullptr) LayoutKeyFrame(decoder, *job.keyframe);
-    for (std::size_t i = 0; i < job.point_count; ++i) {
-      if (i > 0) SkipKnownPointer(decoder);
-      LayoutMapPoint(decoder, job.points[i]);
-    }
-    return decoder.part_bytes();
+    return Decode(job, input);
   }
   // The pointer in front of a new object whose class has been met before.
   static void SkipKnownPointer(Decoder<Input>& decoder) {
