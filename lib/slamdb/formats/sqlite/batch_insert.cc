@@ -2,7 +2,6 @@
 #include "slamdb/formats/sqlite/detail/batch_insert.h"
 
 #include <cassert>
-#include <exception>
 #include <new>
 
 #include "slamdb/base/detail/concat.h"
@@ -124,8 +123,6 @@ BatchInsert::BatchInsert(Database& database, std::string table, std::size_t colu
     : database_(database), table_(std::move(table)), columns_(columns) {
   assert(columns <= kMostColumns);
 }
-
-BatchInsert::~BatchInsert() { assert(waiting_.empty() || std::uncaught_exceptions() > 0); }
 
 void BatchInsert::Add(std::span<const Value> row) {
   assert(row.size() == columns_);

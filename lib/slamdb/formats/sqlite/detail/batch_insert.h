@@ -27,7 +27,6 @@ class BatchInsert {
  public:
   // At most 26 columns.
   BatchInsert(Database& database, std::string table, std::size_t columns);
-  ~BatchInsert();
   BatchInsert(const BatchInsert&) = delete;
   BatchInsert& operator=(const BatchInsert&) = delete;
 
