@@ -54,8 +54,8 @@ std::vector<std::string> ChoicesOf(const OptionEntry& entry, const CLI::App& app
   return choices;
 }
 
-// Whether its value is the name of a file, a folder or a store: of options those say so, arguments are mostly.
-bool NamesFiles(const OptionEntry& entry) {
+// Whether files are offered for its value: for options that say so, and for arguments, which mostly are files.
+bool OffersFiles(const OptionEntry& entry) {
   constexpr std::string_view kFiles[] = {"FILE", "FOLDER", "INPUT", "TRANSFORM"};
   return entry.positional() || std::ranges::any_of(kFiles, [&](std::string_view word) {
            return entry.value.find(word) != std::string::npos;
@@ -96,9 +96,9 @@ std::string BashCase(const CLI::App& app) {
       std::string pattern;
       for (const std::string& name : entry.names) pattern += (pattern.empty() ? "" : "|") + name;
       const std::string choices = Joined(ChoicesOf(entry, app));
-      const std::string offer = !choices.empty()    ? "words=" + Quoted(choices) + "; "
-                                : NamesFiles(entry) ? "files=1; "
-                                                    : "";
+      const std::string offer = !choices.empty()     ? "words=" + Quoted(choices) + "; "
+                                : OffersFiles(entry) ? "files=1; "
+                                                     : "";
       values += "        " + pattern + ") " + offer + "return ;;\n";
     }
   }
@@ -180,7 +180,7 @@ std::string ZshAction(const OptionEntry& entry, const CLI::App& app) {
   return ":" + ZshEscaped(entry.value.empty() ? "value" : entry.value) + ":" +
          (!choices.empty()          ? "(" + choices + ")"
           : entry.value == "ENTITY" ? "_slamdb_entities"
-          : NamesFiles(entry)       ? "_slamdb_atlases"
+          : OffersFiles(entry)      ? "_slamdb_atlases"
                                     : " ");
 }
 
@@ -262,7 +262,7 @@ std::string FishLines(const CLI::App& app) {
       text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
     const std::string choices = Joined(ChoicesOf(entry, app));
     if (!entry.value.empty())
-      text += !choices.empty() ? " -x -a " + Quoted(choices) : NamesFiles(entry) ? " -r" : " -x";
+      text += !choices.empty() ? " -x -a " + Quoted(choices) : OffersFiles(entry) ? " -r" : " -x";
     text += " -d " + Quoted(entry.description) + "\n";
   }
   return text;
