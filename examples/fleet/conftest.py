@@ -123,7 +123,7 @@ class Cluster:
                         "--preload", folder / "hook.py", "--local-directory", folder)
             for _ in range(2)
         ]  # fmt: skip
-        wait_until(self.file.exists)
+        wait_until(lambda: self.file.exists() and self.file.stat().st_size)  # it is made empty
 
     @property
     def address(self):

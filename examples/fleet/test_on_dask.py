@@ -4,6 +4,7 @@
 import os
 import shutil
 import signal
+import threading
 
 import pytest
 import slamdb
@@ -14,7 +15,7 @@ SOUND = 201  # atlases of the folder, see conftest.py
 
 distributed = pytest.importorskip("distributed", reason="distributed is not there (python3-distributed)")
 
-from slamdb_fleet.on_dask import client_of, run  # noqa: E402
+from slamdb_fleet.on_dask import address_of, client_of, run  # noqa: E402
 from slamdb_fleet.plan import Wanted, chunks_of, make_plan  # noqa: E402
 from slamdb_fleet.work import Job  # noqa: E402
 
@@ -46,6 +47,13 @@ def test_it_gives_what_the_serial_run_gives(fleet, on_cluster):
 def test_a_scheduler_is_known_by_its_file_too(fleet, cluster, on_cluster):
     report = fleet.run(*on_cluster[:-1], cluster.file)
     assert report["undone"] == 0 and report["failures"] == 2
+
+
+def test_a_scheduler_that_begins_has_an_empty_file_at_first(tmp_path):
+    path = tmp_path / "cluster.json"
+    path.touch()
+    threading.Timer(0.3, path.write_text, ['{"address": "tcp://10.0.0.1:8786"}']).start()
+    assert address_of(str(path)) == "tcp://10.0.0.1:8786"
 
 
 @pytest.mark.parametrize("content", [None, "no JSON", "{}", "[]"])

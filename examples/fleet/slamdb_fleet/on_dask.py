@@ -48,12 +48,20 @@ def address_of(scheduler: str) -> str:
     """Of an address or the file that a scheduler writes, as workers take it with --scheduler-file."""
     try:
         if os.path.isfile(scheduler):
-            return str(json.loads(pathlib.Path(scheduler).read_bytes())["address"])
+            return str(json.loads(_written(pathlib.Path(scheduler)))["address"])
         distributed.comm.get_address_host_port(scheduler)
         return scheduler
     except (ValueError, KeyError, TypeError) as error:
         wanted = f"an address, such as tcp://10.0.0.1:8786, or a scheduler's file, not {scheduler!r}"
         raise slamdb.UsageError(f"--scheduler takes {wanted}") from error
+
+
+def _written(path: pathlib.Path, seconds: float = 10) -> bytes:
+    """A file once something stands in it: a scheduler that begins makes it first and fills it a moment later."""
+    end = time.monotonic() + seconds
+    while not (content := path.read_bytes()) and time.monotonic() < end:
+        time.sleep(0.05)
+    return content
 
 
 def _package(opened: contextlib.ExitStack) -> str:
