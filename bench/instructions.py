@@ -28,6 +28,7 @@ TOLERANCE = 0.03
 ROWS = [
     "read-binary", "read-layout", "read-text", "write-binary", "write-text", "info", "check", "extract", "cull", "shrink",
     "transform", "diff", "merge", "store-save", "store-load", "store-save-again",
+    "store-save-unchanged", "store-load-earlier",
     "export-stella", "export-stella-sqlite", "export-colmap",
 ]  # fmt: skip
 PROCESSES = ["slamdb --version", "slamdb -h", "slamdb check -h", "slamdb info a.osa", "slamdb check --quiet a.osa",

@@ -145,10 +145,9 @@ Sample StoreLoad(const Workplace& at) {
   return Time([&] { Keep(Store::Open(at.store()).Load(kName)); });
 }
 
-// Saves again after one keyframe in a hundred has moved and lost its first keypoint's match.
-Sample StoreSaveAgain(const Workplace& at) {
+// The atlas after one keyframe in a hundred has moved and lost its first keypoint's match.
+Atlas Changed(const Workplace& at) {
   Atlas atlas = Read(at.binary());
-  std::filesystem::copy_file(at.store(), at.output(), std::filesystem::copy_options::overwrite_existing);
   for (Map& map : atlas.maps) {
     for (std::size_t i = 0; i < map.keyframes.size(); i += 100) {
       KeyFrame& keyframe = map.keyframes[i];
@@ -156,7 +155,20 @@ Sample StoreSaveAgain(const Workplace& at) {
       if (!keyframe.features.map_points.empty()) keyframe.features.map_points.front() = MapPointId();
     }
   }
+  return atlas;
+}
+
+Sample SaveOnto(const Workplace& at, const Atlas& atlas) {
+  std::filesystem::copy_file(at.store(), at.output(), std::filesystem::copy_options::overwrite_existing);
   return Time([&] { Store::OpenForWriting(at.output(), {.sync = false}).Save(kName, atlas); });
+}
+Sample StoreSaveAgain(const Workplace& at) { return SaveOnto(at, Changed(at)); }
+Sample StoreSaveUnchanged(const Workplace& at) { return SaveOnto(at, Read(at.binary())); }
+
+// The revision before the newest, which changed that much.
+Sample StoreLoadEarlier(const Workplace& at) {
+  StoreSaveAgain(at);
+  return Time([&] { Keep(Store::Open(at.output()).Load(std::string(kName) + "@1")); });
 }
 
 // ---- edit
@@ -236,6 +248,8 @@ constexpr Measurement kMeasurements[] = {
     {"store-save", StoreSave},
     {"store-load", StoreLoad, FromFile::kYes},
     {"store-save-again", StoreSaveAgain},
+    {"store-save-unchanged", StoreSaveUnchanged},
+    {"store-load-earlier", StoreLoadEarlier, FromFile::kYes},
     {"merge", Merge, FromFile::kYes},
     {"merge-input-output", MergeInputAndOutput, FromFile::kYes},
     {"export-stella", ExportStella},

@@ -44,6 +44,8 @@ constexpr Row kRows[] = {
     {"store load", "store-load", "plain Boost's read", "boost-read-binary", ">= 5", ">= 5"},
     {"store load", "store-load", "SQLite's select of the rows", "sqlite-select", "", ""},
     {"store save after 1 %", "store-save-again", "store save", "store-save", ">= 20", ">= 20"},
+    {"store save of what is there", "store-save-unchanged", "store save", "store-save", ">= 50", ">= 50"},
+    {"store load, the revision before", "store-load-earlier", "store load", "store-load", "", ""},
     {"stella export, one thread", "export-stella", "writing its bytes", "export-stella-bytes", ">= 0.33", ""},
     {"stella database, one thread", "export-stella-sqlite", "writing its bytes", "export-stella-sqlite-bytes", "", ""},
     {"COLMAP export, one thread", "export-colmap", "writing its bytes", "export-colmap-bytes", ">= 0.33", ""},

@@ -14,13 +14,41 @@ struct LogOptions {
   bool json = false;
 };
 
+// `+49 -2 ~37`; nothing where nothing changed, or nobody counted.
+std::string ChangesText(std::uint64_t added, std::uint64_t removed, std::uint64_t moved) {
+  std::string text;
+  const auto add = [&](char sign, std::uint64_t count) {
+    if (count > 0) text += (text.empty() ? "" : " ") + std::string(1, sign) + Grouped(count);
+  };
+  add('+', added);
+  add('-', removed);
+  add('~', moved);
+  return text;
+}
+
+// `lab@3 (release)`; without number where it cannot be read any more.
+std::string RevisionText(const HistoryEntry& entry) {
+  std::string text = entry.atlas;
+  if (entry.readable) text += "@" + std::to_string(entry.revision);
+  for (const std::string& tag : entry.tags) text += (&tag == entry.tags.data() ? " (" : ", ") + tag;
+  return entry.tags.empty() ? text : text + ")";
+}
+
+std::string FromText(const HistoryEntry& entry) {
+  return entry.provenance.empty() && entry.from ? entry.from->ToString() : entry.provenance;
+}
+
 std::string LogText(const std::vector<HistoryEntry>& entries) {
   using enum Table::Align;
-  Table table({kLeft, kLeft, kLeft, kRight, kRight, kRight, kRight, kLeft});
-  table.Add({"WHEN", "ACTION", "ATLAS", "INSERTED", "UPDATED", "DELETED", "UNCHANGED", "FROM"});
-  for (const HistoryEntry& entry : entries)
-    table.Add({entry.at, entry.action, entry.atlas, Grouped(entry.inserted), Grouped(entry.updated),
-               Grouped(entry.deleted), Grouped(entry.unchanged), entry.provenance});
+  Table table({kLeft, kLeft, kLeft, kLeft, kLeft, kLeft, kLeft, kLeft});
+  table.Add({"WHEN", "WHO", "ACTION", "ATLAS", "KEYFRAMES", "POINTS", "OBSERVATIONS", "FROM"});
+  for (const HistoryEntry& entry : entries) {
+    const MapChanges changes = entry.changes.value_or(MapChanges{});
+    table.Add({entry.at, entry.who, entry.action, RevisionText(entry),
+               ChangesText(changes.keyframes_added, changes.keyframes_removed, changes.keyframes_moved),
+               ChangesText(changes.points_added, changes.points_removed, changes.points_moved),
+               ChangesText(changes.observations_added, changes.observations_removed, 0), FromText(entry)});
+  }
   return entries.empty() ? "no history\n" : table.ToString();
 }
 
@@ -50,11 +78,11 @@ constexpr Example kExamples[] = {
 
 const Command kLog = {
     .name = "log",
-    .summary = "show what was done to a store",
+    .summary = "show the revisions of a store's atlases",
     .group = Group::kStore,
     .description =
-        "Shows the history of a store, or of one atlas (STORE.db#NAME): when it was saved or removed, by what, "
-        "and how many rows that changed.",
+        R"(Shows the history of a store, or of one atlas (STORE.db#NAME): who saved or removed it when, from what, and what that changed
+in the map: + added, - removed, ~ moved. NAME@3 in the column ATLAS is a revision that every verb can read, as STORE.db#NAME@3.)",
     .failed = "The store could not be read.",
     .examples = kExamples,
     .add = AddLog,

@@ -105,6 +105,7 @@
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/formats/sqlite/places.h"
 #include "slamdb/formats/sqlite/report.h"
+#include "slamdb/formats/sqlite/revisions.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/formats/trajectories.h"
 #include "slamdb/formats/trajectory/options.h"

@@ -110,7 +110,7 @@ class Store:
         keep_equal: one that is there as it is, by its hash, stays, also without `overwrite`
         provenance: a line for the history: what made the atlas
 
-        The report has `replaced`, `unchanged` (by keep_equal) and `rows` (inserted, updated, deleted, unchanged).
+        The report has `replaced`, `unchanged` (by keep_equal), `revision` (its number) and `rows` (inserted, updated, deleted, unchanged).
         Raises AlreadyExistsError, LockedError, OutOfResourcesError (the disk is full), UsageError for names that
         cannot be.
         """
@@ -132,6 +132,8 @@ class Store:
     ) -> Atlas:
         """Load an atlas, or a part of it as `slamdb.read` does. The rest is not read.
 
+        name: of the atlas, or of an earlier revision: "lab@3", "lab@-1" (the one before the newest),
+            "lab@{2026-11-20}" (the newest of that day, UTC), "lab@release" (a tag)
         features: False leaves out keypoints, descriptors, what keypoints see, and words: most of the bytes
 
         Every row is held against its hash: raises DamagedError, naming the first that differs; NotFoundError, naming
@@ -140,8 +142,55 @@ class Store:
         given = {key: value for key, value in locals().items() if key != "self"}
         return self._file.load(_bytes(given.pop("name")), given)
 
+    def restore(self, name: str, *, threads: int = 0, progress: Progress = None) -> int:
+        """Make an earlier revision ("lab@3") the newest again, by saving it anew; returns the number that it has then.
+
+        Those between stay. Raises NotFoundError, naming the revisions that there are.
+        """
+        return self._writer.restore(_bytes(name), threads, progress)
+
+    def branch(self, name: str, branch: str, *, threads: int = 0, progress: Progress = None) -> None:
+        """Begin an atlas `branch` as another one, or as a revision of it. What both share of pictures is stored once.
+
+        Raises NotFoundError; AlreadyExistsError where there is an atlas of that name.
+        """
+        self._writer.branch(_bytes(name), _bytes(branch), threads, progress)
+
+    def tag(self, name: str, tag: str, *, remove: bool = False) -> None:
+        """Give a revision ("lab" is the newest) a name, by which `load` takes it and which `gc` leaves.
+
+        remove: take the tag from the atlas instead
+
+        Raises UsageError for what is no name, AlreadyExistsError where another revision has it, NotFoundError.
+        """
+        self._writer.tag(_bytes(name), _bytes(tag), remove)
+
+    def gc(
+        self,
+        name: str = "",
+        *,
+        keep: Optional[int] = None,
+        keep_days: Optional[float] = None,
+        keep_tags: bool = False,
+        dry_run: bool = False,
+    ) -> Report:
+        """Give up earlier revisions of one atlas, or of all: `slamdb gc --json`. One way to keep has to be given.
+
+        keep: so many of the newest revisions of each atlas
+        keep_days: what was saved in so many days up to now
+        keep_tags: nothing but the newest and what has a tag, which stays anyway
+        dry_run: only tell what would go
+
+        The file keeps its size until `vacuum`. Raises NotFoundError where there is no such atlas.
+        """
+        if keep is None and keep_days is None and not keep_tags:
+            raise UsageError("say what to keep: keep, keep_days, or keep_tags=True", self._path)
+        if (keep is not None and keep < 1) or (keep_days is not None and not keep_days >= 0):
+            raise UsageError("keep is at least 1, and keep_days is not negative", self._path)
+        return Report.parse(self._writer.gc(_bytes(name), keep, keep_days, dry_run))
+
     def remove(self, name: str, *, progress: Progress = None) -> None:
-        """Remove an atlas; its history stays. The file keeps its size until `vacuum`. Raises NotFoundError."""
+        """Remove an atlas with all its revisions; its history stays. The file keeps its size until `vacuum`. Raises NotFoundError."""
         self._writer.remove(_bytes(name), progress)
 
     def list(
@@ -174,7 +223,8 @@ class Store:
         return Report.parse(self._file.log(b""))
 
     def history(self, name: str) -> Report:
-        """The history of one atlas: `entries` with `at`, `action`, `provenance`, counts, `rows` and `hash`."""
+        """The history of one atlas: `entries` with `at`, `action`, `provenance`, counts, `rows`, `hash`, and of
+        revisions `revision`, `readable`, `who`, `changes`, `tags` and `from`."""
         return Report.parse(self._file.log(_bytes(name)))
 
     def stats(self) -> Report:

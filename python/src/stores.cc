@@ -72,6 +72,7 @@ py::tuple SaveTo(const StoreFile& file, const std::string& name, const HeldAtlas
   py::dict told;
   told["replaced"] = report.replaced;
   told["unchanged"] = report.unchanged;
+  told["revision"] = report.revision == 0 ? py::object(py::none()) : py::object(py::int_(report.revision));
   told["rows"] = RowsOf(report.Total());
   return py::make_tuple(told, ListOf(notices));
 }
@@ -152,6 +153,36 @@ void DefineLooking(py::class_<StoreFile>& store) {
       });
 }
 
+void DefineRevisions(py::class_<StoreFile>& store) {
+  store
+      .def("restore",
+           [](const StoreFile& file, const std::string& name, int threads, const py::object& listener) {
+             const Progress progress = ProgressTo(listener);
+             const SaveOptions options{.threads = threads, .progress = progress};
+             return WithoutGil([&] { return file.WriterOfPresent(progress).Restore(name, options).revision; });
+           })
+      .def("branch",
+           [](const StoreFile& file, const std::string& name, const std::string& branch, int threads,
+              const py::object& listener) {
+             const Progress progress = ProgressTo(listener);
+             const SaveOptions options{.threads = threads, .progress = progress};
+             WithoutGil([&] { file.WriterOfPresent(progress).Branch(name, branch, options); });
+           })
+      .def("tag",
+           [](const StoreFile& file, const std::string& name, const std::string& tag, bool remove) {
+             WithoutGil([&] {
+               Store store = file.WriterOfPresent({});
+               remove ? store.Untag(name, tag) : store.Tag(name, tag);
+             });
+           })
+      .def("gc", [](const StoreFile& file, const std::string& name, std::optional<std::uint64_t> keep,
+                    std::optional<double> keep_days, bool dry_run) {
+        const GiveUpOptions options{.keep = keep, .keep_days = keep_days, .dry_run = dry_run};
+        const GiveUpReport report = WithoutGil([&] { return file.WriterOfPresent({}).GiveUp(options, name); });
+        return Report(ToJson(report, Location(file.path, name).ToString()));
+      });
+}
+
 void DefineKeeping(py::class_<StoreFile>& store) {
   store.def("save", &SaveTo)
       .def("add", &AddTo)
@@ -182,6 +213,7 @@ void DefineStore(py::module_& module) {
   }));
   DefineLooking(store);
   DefineKeeping(store);
+  DefineRevisions(store);
 }
 
 }  // namespace slamdb::python

@@ -19,7 +19,7 @@ OF_THE_COMMAND = {
 }
 ELSEWHERE = {  # what does the verb, where it is no function of that name and options
     "add": "Store", "log": "Store", "remove": "Store", "stats": "Store", "vacuum": "Store", "backup": "Store",
-    "migrate": "Store",
+    "migrate": "Store", "restore": "Store", "tag": "Store", "branch": "Store", "gc": "Store",
 }  # fmt: skip
 CALLED = {"list": "list_atlases", "edit": "edit_tables"}  # functions of other names
 INNER = {

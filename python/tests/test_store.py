@@ -362,3 +362,28 @@ def test_real_atlases_come_back_whole(real, path):
     assert len(rows["id"]) == sum(len(map.points) for map in read.maps)
     for atlas in (read, *read.maps):
         assert len(atlas._repr_html_()) < 200_000
+
+
+def test_revisions(store, atlas):
+    first = atlas.maps[0].points.positions[0].copy()
+    store.tag("lab", "first")
+    atlas.maps[0].points.positions[0] += 1
+    assert store.save("lab", atlas, overwrite=True).revision == 2
+    for earlier in ("lab@1", "lab@-1", "lab@first"):
+        assert (store.load(earlier).maps[0].points.positions[0] == first).all()
+    entry = store.history("lab").entries[-1]
+    assert (entry.revision, entry.readable, entry.changes.points.moved, "@" in entry.who) == (2, True, 1, True)
+    with pytest.raises(slamdb.NotFoundError, match="it has 1, 2, tagged first"):
+        store.load("lab@7")
+    assert store.restore("lab@first") == 3
+    assert (store.load("lab").maps[0].points.positions[0] == first).all()
+    store.branch("lab@2", "robot7")
+    assert store.history("robot7").entries[0]["from"].revision == 2
+    with pytest.raises(slamdb.AlreadyExistsError):
+        store.branch("lab", "robot7")
+    assert [entry.given_up for entry in store.gc(keep=1, dry_run=True).atlases if entry.name == "lab"] == [[]]
+    store.tag("lab", "first", remove=True)
+    assert [list(entry.given_up) for entry in store.gc("lab", keep_tags=True).atlases] == [[1]]
+    for wrong in ({}, {"keep": 0}, {"keep_days": -1}):
+        with pytest.raises(slamdb.UsageError):
+            store.gc(**wrong)

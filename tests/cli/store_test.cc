@@ -97,10 +97,10 @@ TEST_F(StoreVerbs, MigrateOfAnUpToDateStoreDoesNothing) {
 TEST_F(StoreVerbs, MigrateBackLosesNothing) {
   const std::string before = RunSlamdb({"list", "--json", store_}).out;
   EXPECT_EQ(RunSlamdb({"migrate", store_, "--back", "--dry-run"}).exit_code, 0);
-  EXPECT_FALSE(std::filesystem::exists(store_ + ".v6.bak")) << "nothing was changed, so nothing is kept";
+  EXPECT_FALSE(std::filesystem::exists(store_ + ".v7.bak")) << "nothing was changed, so nothing is kept";
   EXPECT_EQ(RunSlamdb({"migrate", store_, "--back", "--quiet"}).exit_code, 0);
-  EXPECT_TRUE(std::filesystem::exists(store_ + ".v6.bak"));
-  EXPECT_EQ(RunSlamdb({"list", store_}).exit_code, 1) << "version 5 now";
+  EXPECT_TRUE(std::filesystem::exists(store_ + ".v7.bak"));
+  EXPECT_EQ(RunSlamdb({"list", store_}).exit_code, 1) << "version 6 now";
   EXPECT_EQ(RunSlamdb({"migrate", store_, "--quiet"}).exit_code, 0);
   EXPECT_EQ(RunSlamdb({"list", "--json", store_}).out, before) << "what the list tells is worked out anew";
 }
@@ -146,8 +146,18 @@ TEST_F(StoreVerbs, NameIsNeededWhereThereAreSeveral) {
 
 // The store's own verbs.
 std::vector<std::vector<std::string>> CommandsOnStore(const std::string& store, const std::string& copy) {
-  return {{"list", store},    {"log", store},           {"stats", store},       {"vacuum", store},
-          {"migrate", store}, {"remove", store + "#a"}, {"backup", store, copy}};
+  return {{"list", store},
+          {"log", store},
+          {"stats", store},
+          {"vacuum", store},
+          {"migrate", store},
+          {"remove", store + "#a"},
+          {"backup", store, copy},
+          {"restore", store + "#a@1"},
+          {"tag", store + "#a"},
+          {"tag", store + "#a", "release"},
+          {"branch", store + "#a", "b"},
+          {"gc", store, "--keep", "1"}};
 }
 
 TEST(StoreErrors, ReadingVerbsNeverMakeAStore) {

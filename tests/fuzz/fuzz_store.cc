@@ -19,12 +19,17 @@
 namespace slamdb {
 namespace {
 
-// A store of two atlases on a file system in memory, where there is one, and its bytes.
+// A store of two atlases, of which one has two revisions, on a file system in memory, where there is one, and its bytes.
 class Template {
  public:
   Template() : path_(Folder() + "/slamdb_fuzz_" + std::to_string(::getpid()) + ".db") {
     atlas_ = SynthesizeAtlas({.inertial = true, .maps = 2, .keyframes = 4, .points = 20, .features = 60, .threads = 1});
     for (const char* name : {"one", "two"}) WriteAtlas(atlas_, path_ + "#" + name);
+    Atlas next = atlas_;
+    next.maps[0].points.pop_back();
+    next.maps[0].keyframes[1].camera_from_world.translation.x() += 1;
+    next.maps[1].keyframes[2].features.map_points.assign(60, MapPointId());
+    Store::OpenForWriting(path_).Save("two", next);
     std::ifstream stream(path_, std::ios::binary);
     bytes_.assign(std::istreambuf_iterator<char>(stream), {});
     hash_ = HashOf(atlas_, 1);
@@ -76,7 +81,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   store.WritePatched(data, size);
   ReadOptions options;
   options.threads = 1;
-  for (const char* name : {"one", "two"})
+  for (const char* name : {"one", "two@1"})
     fuzz::MayRefuse([&] {
       const Atlas loaded = ReadAtlas(store.path() + "#" + name, options);
       fuzz::Require(HashOf(loaded, 1) == store.hash(), "what is loaded is what was saved");

@@ -7,9 +7,10 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/require.h"
 
-// Any bytes as the two blobs that the store keeps of a keyframe: one byte each for its three counts of features, then
-// two bytes for the length of the details, the details, the features. They decode or fail with an Error; what decoded
-// is packed into blobs that decode to the same blobs again.
+// Any bytes as the blobs that the store keeps of a keyframe: one byte each for its three counts of features, then two
+// bytes for the length of the details, the details, the features with the links to points among them, as stores before
+// version 7 have them. They split and decode or fail with an Error; what decoded is packed into blobs that join and
+// decode to the same blobs again.
 namespace {
 
 using slamdb::Bytes;
@@ -20,7 +21,11 @@ struct Blobs {
 
 void Encode(const slamdb::KeyFrame& keyframe, Blobs& blobs) {
   slamdb::detail::EncodeDetails(keyframe, blobs.details);
-  slamdb::sqlite::EncodeFeatures(keyframe, blobs.features);
+  slamdb::detail::ByteWriter picture, points;
+  slamdb::sqlite::EncodePicture(keyframe, picture);
+  slamdb::sqlite::EncodePoints(keyframe, points);
+  const std::string whole = slamdb::sqlite::Join(picture.bytes(), points.bytes());
+  blobs.features.PutBytes(std::as_bytes(std::span(whole)));
 }
 
 slamdb::KeyFrame Decode(const std::uint8_t* counts, Bytes details, Bytes features) {
@@ -29,7 +34,8 @@ slamdb::KeyFrame Decode(const std::uint8_t* counts, Bytes details, Bytes feature
   keyframe.features.left_count = static_cast<std::int8_t>(counts[1]);
   keyframe.features.right_count = static_cast<std::int8_t>(counts[2]);
   slamdb::detail::DecodeDetails(details, keyframe);
-  slamdb::sqlite::DecodeFeatures(features, keyframe);
+  const slamdb::sqlite::SplitFeatures split = slamdb::sqlite::Split(features);
+  slamdb::sqlite::DecodeFeatures(std::as_bytes(std::span(split.picture)), split.points, keyframe);
   return keyframe;
 }
 

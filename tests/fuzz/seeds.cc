@@ -53,15 +53,17 @@ void WriteDamaged(const path& folder, const std::string& name, const Crafted& cr
 }
 
 std::string StoreSeed(const KeyFrame& keyframe) {
-  detail::ByteWriter details, features;
+  detail::ByteWriter details, picture, points;
   detail::EncodeDetails(keyframe, details);
-  sqlite::EncodeFeatures(keyframe, features);
+  sqlite::EncodePicture(keyframe, picture);
+  sqlite::EncodePoints(keyframe, points);
+  const std::string features = sqlite::Join(picture.bytes(), points.bytes());
   const Features& counts = keyframe.features;
   const std::size_t length = details.bytes().size();
   std::string seed = {static_cast<char>(counts.count), static_cast<char>(counts.left_count),
                       static_cast<char>(counts.right_count), static_cast<char>(length & 0xff),
                       static_cast<char>(length >> 8)};
-  for (const Bytes bytes : {details.bytes(), features.bytes()})
+  for (const Bytes bytes : {details.bytes(), std::as_bytes(std::span(features))})
     seed.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return seed;
 }

@@ -116,6 +116,7 @@ class Lister {
   bool ListStored(const AtlasInput& input, const StoreRows& store, const ReadOptions& read, ListedAtlas& atlas) const {
     if (!store.failure.empty()) throw Error(ErrorKind::kDamaged, store.failure);
     const StoredAtlas* stored = store.Find(input.location.name);
+    if (stored == nullptr && WithoutRevision(input.location) != input.location) return ListFile(input, read, atlas);
     if (stored == nullptr) {  // the reader knows what there is instead
       (void)ReadAtlas(input.location, read);
       throw Error(ErrorKind::kDamaged, atlas.input, "table atlas",
@@ -133,7 +134,7 @@ class Lister {
   }
 
   bool ListFile(const AtlasInput& input, const ReadOptions& read, ListedAtlas& atlas) const {
-    if (input.location.path != "-") DescribeFile(input.location.path, atlas);
+    if (input.location.path != "-" && input.location.name.empty()) DescribeFile(input.location.path, atlas);
     const HeldSource held = HoldInput(input.location, read);
     if (const Format* format = options_.format.empty() ? FindFormatOfInput(held) : &FormatById(options_.format))
       atlas.format = format->id;

@@ -14,7 +14,8 @@ namespace {
 // The name of an atlas that its location tells; empty when it tells none.
 std::string NameOfAtlas(const Location& input) {
   std::error_code missing;
-  if (!input.name.empty() || !std::filesystem::is_regular_file(input.path, missing)) return input.name;
+  if (!input.name.empty()) return WithoutRevision(input).name;
+  if (!std::filesystem::is_regular_file(input.path, missing)) return {};
   const Format* format = FindFormatOfInput(input);
   if (format == nullptr || !format->named) return StemOf(input.path);
   const std::vector<std::string> names = Store::Open(input.path).Names();
@@ -37,6 +38,15 @@ std::string StemOf(const std::string& path) {
 }
 
 std::string NameOf(const Location& atlas) { return atlas.name.empty() ? StemOf(atlas.path) : atlas.name; }
+
+Location WithoutRevision(const Location& atlas) {
+  if (atlas.name.find('@') == std::string::npos) return atlas;
+  try {
+    return {atlas.path, Store::Open(atlas.path).FindRevision(atlas.name).atlas};
+  } catch (const Error&) {
+    return atlas;  // what is wrong with it is said where it is read
+  }
+}
 
 std::string NamedOutput(const std::string& input, const std::string& output, const std::string& format) {
   const Location target(output);

@@ -17,6 +17,9 @@ namespace slamdb {
 // What an atlas is called: `lab` of maps/lab.osa.txt and of maps.db#lab.
 [[nodiscard]] SLAMDB_EXPORT std::string NameOf(const Location& atlas);
 
+// Of a revision of an atlas in a store (lab.db#lab@3) the atlas itself, where it can be found; of all others themselves.
+[[nodiscard]] SLAMDB_EXPORT Location WithoutRevision(const Location& atlas);
+
 // An output in a store without a name gets that of the input: its name in a store, else the stem of its file. So a
 // second atlas comes to lie beside the first. Standard input, what is no file, and a stem that is no name of an atlas
 // (IsNameOfAtlas) name nothing. `format`: asked for; empty: as the output's suffix has it.

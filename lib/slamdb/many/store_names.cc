@@ -99,10 +99,12 @@ bool IsNumbered(std::string_view name, std::string_view stem) {
 std::vector<StoreName> StoreNamesOf(const std::vector<AtlasInput>& inputs, const AddOptions& options) {
   if (!options.name.empty()) return std::vector<StoreName>(inputs.size(), {options.name});
   std::vector<StoreName> names;
+  std::vector<AtlasInput> atlases = inputs;  // that revisions are of
+  for (AtlasInput& atlas : atlases) atlas.location = WithoutRevision(atlas.location);
   if (options.name_from == AddOptions::NameFrom::kStem)
-    names = NamesByStem(inputs);
+    names = NamesByStem(atlases);
   else
-    for (const AtlasInput& input : inputs) names.push_back({NameByPath(input), false, {NameByPath(input)}});
+    for (const AtlasInput& atlas : atlases) names.push_back({NameByPath(atlas), false, {NameByPath(atlas)}});
   Number(inputs, names);
   for (std::size_t i = 0; i < inputs.size(); ++i)
     if (inputs[i].location.path == "-") names[i] = {};  // standard input has none

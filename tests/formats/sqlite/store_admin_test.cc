@@ -96,7 +96,7 @@ TEST_F(StoreAdmin, StatsAddUp) {
   std::uint64_t sum = 0;
   for (const PartSize& table : stats.tables) sum += table.bytes;
   EXPECT_EQ(sum + stats.free_pages * stats.page_bytes, stats.file_bytes);
-  EXPECT_EQ(stats.tables[0].part, "keyframe_features");
+  EXPECT_EQ(stats.tables[0].part, "picture");
 }
 
 TEST_F(StoreAdmin, BackupIsTheStore) {
@@ -135,43 +135,55 @@ class StoreMigration : public StoreAdmin {
     SaveIn(path_, OddAtlas());
     migrations_.assign(sqlite::Migrations().begin(), sqlite::Migrations().end());
     const int next = migrations_.back().number + 1;
-    migrations_.push_back({next, "0006_notes", "CREATE TABLE note (text TEXT) STRICT"});
-    migrations_.push_back({next + 1, "0007_more", "ALTER TABLE note ADD COLUMN author TEXT"});
+    migrations_.push_back({next, "0008_notes", "CREATE TABLE note (text TEXT) STRICT"});
+    migrations_.push_back({next + 1, "0009_more", "ALTER TABLE note ADD COLUMN author TEXT"});
   }
   std::vector<sqlite::Migration> migrations_;
 };
 
+// A new store is made at once, and not step by step.
+TEST_F(StoreMigration, MakeWhatANewStoreHas) {
+  SaveIn(path_, Atlas());
+  sqlite::Database migrated = sqlite::Database::InMemory("migrated");
+  sqlite::RunMigrations(migrated, sqlite::Migrations());
+  sqlite::Statement select(migrated, "SELECT group_concat(sql, ';') FROM (SELECT sql FROM sqlite_schema ORDER BY rowid)");
+  ASSERT_TRUE(select.Step());
+  EXPECT_EQ(Sql(path_, "SELECT group_concat(sql, ';') FROM (SELECT sql FROM sqlite_schema ORDER BY rowid)"),
+            select.Text(0));
+  EXPECT_EQ(migrated.Integer("PRAGMA user_version"), sqlite::NewestVersion());
+}
+
 TEST_F(StoreMigration, DryRunListsTheStepsAndChangesNothing) {
   const std::string before = FileBytes(path_);
   const MigrateReport report = sqlite::Migrate(path_, {.dry_run = true}, migrations_);
-  EXPECT_EQ(report.from, 6);
-  EXPECT_EQ(report.to, 8);
-  EXPECT_THAT(report.steps, ::testing::ElementsAre("0006_notes", "0007_more"));
+  EXPECT_EQ(report.from, 7);
+  EXPECT_EQ(report.to, 9);
+  EXPECT_THAT(report.steps, ::testing::ElementsAre("0008_notes", "0009_more"));
   EXPECT_EQ(report.backup, "");
   EXPECT_EQ(FileBytes(path_), before);
 }
 
 TEST_F(StoreMigration, RunsWithABackupBeside) {
-  std::ofstream(path_ + ".v6.bak") << "taken";
+  std::ofstream(path_ + ".v7.bak") << "taken";
   const MigrateReport report = sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "8");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "9");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM note WHERE author = 'x'"), "0");
-  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 6 to 8");
-  EXPECT_EQ(report.backup, path_ + ".v6.bak.2");
+  EXPECT_EQ(Sql(path_, "SELECT action, provenance FROM history ORDER BY row DESC LIMIT 1"), "migrate|version 7 to 9");
+  EXPECT_EQ(report.backup, path_ + ".v7.bak.2");
   EXPECT_EQ(FirstDifference(LoadFrom(report.backup), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, FailedStepLeavesTheStoreAsItWas) {
   migrations_.back().sql = "ALTER TABLE nonsense ADD COLUMN x";
   EXPECT_THAT(ErrorOf([&] { sqlite::Migrate(path_, {.backup = false}, migrations_); }), HasSubstr("nonsense"));
-  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "6");
+  EXPECT_EQ(Sql(path_, "PRAGMA user_version"), "7");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM sqlite_schema WHERE name = 'note'"), "0");
   EXPECT_EQ(FirstDifference(LoadFrom(path_), OddAtlas()), "");
 }
 
 TEST_F(StoreMigration, OlderStoreIsToBeMigrated) {
   sqlite::Migrate(path_, {}, migrations_);
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 8, newest known to this program is 6"));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 9, newest known to this program is 7"));
 }
 
 }  // namespace

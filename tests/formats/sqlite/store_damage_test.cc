@@ -53,16 +53,19 @@ TEST_F(StoreDamage, MissingAndAdditionalRows) {
 }
 
 TEST_F(StoreDamage, BlobsOfWrongLength) {
-  const std::string first = " WHERE keyframe = (SELECT min(keyframe) FROM keyframe_features)";
+  const std::string first = " WHERE row = (SELECT picture FROM keyframe_features ORDER BY keyframe LIMIT 1)";
   for (const int length : {0, 1, 2, 5, 6, 100, 1000, 5000}) {
-    const std::string error = LoadErrorAfter("UPDATE keyframe_features SET columns = substr(columns, 1, " +
-                                             std::to_string(length) + ")" + first);
+    const std::string error =
+        LoadErrorAfter("UPDATE picture SET columns = substr(columns, 1, " + std::to_string(length) + ")" + first);
     EXPECT_THAT(error, HasSubstr("table keyframe_features, row 4294967296: blob too short"));
   }
-  EXPECT_THAT(LoadErrorAfter("UPDATE keyframe_features SET columns = CAST(columns || x'00' AS BLOB)" + first),
+  EXPECT_THAT(LoadErrorAfter("UPDATE picture SET columns = CAST(columns || x'00' AS BLOB)" + first),
               HasSubstr("blob too long"));
-  EXPECT_THAT(LoadErrorAfter("UPDATE keyframe_features SET columns = x'63'" + first),
-              HasSubstr("features of layout 99"));
+  EXPECT_THAT(LoadErrorAfter("UPDATE picture SET columns = x'63'" + first), HasSubstr("features of layout 99"));
+  EXPECT_THAT(LoadErrorAfter("DELETE FROM picture" + first), HasSubstr("table keyframe_features, row 4294967296"));
+  EXPECT_THAT(LoadErrorAfter("UPDATE keyframe_features SET points = substr(points, 1, 7)"),
+              HasSubstr("blob too short"));
+  EXPECT_THAT(LoadErrorAfter("UPDATE keyframe_features SET points = x'0000000003'"), HasSubstr("ids of 3 bytes"));
   EXPECT_THAT(LoadErrorAfter("UPDATE keyframe SET details = substr(details, 1, 300)"),
               HasSubstr("table keyframe, row"));
   EXPECT_THAT(LoadErrorAfter("UPDATE keyframe SET details = x''"), HasSubstr("table keyframe, row"));
@@ -73,19 +76,19 @@ TEST_F(StoreDamage, BlobsOfWrongLength) {
 
 // Counts that claim gigabytes are compared with the bytes that are there before memory is spent on them.
 TEST_F(StoreDamage, HugeCountsAllocateNothing) {
-  const std::string huge = LoadErrorAfter("UPDATE keyframe_features SET columns = x'01ffffffff07'");
+  const std::string huge = LoadErrorAfter("UPDATE picture SET columns = x'02ffffffff07'");
   EXPECT_THAT(huge, HasSubstr("blob too short"));
 }
 
 TEST_F(StoreDamage, RandomBlobsNeverCrash) {
   SaveIn(path_, atlas_);
   std::mt19937 random(3);
-  const std::string good = Sql(path_, "SELECT hex(columns) FROM keyframe_features LIMIT 1");
+  const std::string good = Sql(path_, "SELECT hex(columns) FROM picture WHERE row = 1");
   for (int i = 0; i < 80; ++i) {
     std::string bad = good;
     for (int flips = 0; flips < 3; ++flips)
       bad[random() % (i % 2 == 0 ? 200 : bad.size())] = "0123456789ABCDEF"[random() % 16];
-    Sql(path_, "UPDATE keyframe_features SET columns = x'" + bad + "' WHERE keyframe = 4294967296");
+    Sql(path_, "UPDATE picture SET columns = x'" + bad + "' WHERE row = 1");
     const std::string error = ErrorOf([this] { LoadFrom(path_); });
     EXPECT_TRUE(bad == good || error.find("table keyframe_features, row 4294967296") != std::string::npos) << error;
   }

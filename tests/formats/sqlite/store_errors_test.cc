@@ -122,7 +122,7 @@ TEST_F(StoreErrors, SpeakOfTheLibrary) {
   EXPECT_EQ(ErrorOf([&] { Store::Open(path_).Backup(folder_ / "target.db"); }),
             folder_ / "target.db" + ": exists already; `overwrite` of Store::Backup replaces it");
   Sql(path_, "PRAGMA user_version = 1");
-  EXPECT_EQ(ErrorOf([&] { Store::Open(path_); }), path_ + ": store version 1, this program needs 6: migrate it first");
+  EXPECT_EQ(ErrorOf([&] { Store::Open(path_); }), path_ + ": store version 1, this program needs 7: migrate it first");
 }
 
 }  // namespace

@@ -82,11 +82,11 @@ TEST_F(StoreIdentity, DatabasesOfOthersAreNamedAndLeftAlone) {
 
 TEST_F(StoreIdentity, NewerStoreIsRefusedWithBothVersions) {
   SaveIn(path_, Atlas());
-  Sql(path_, "PRAGMA user_version=7");
-  EXPECT_THAT(OpenError(), HasSubstr("store version 7, newest known to this program is 6"));
-  EXPECT_THAT(WriteError(), HasSubstr("store version 7, newest known to this program is 6"));
+  Sql(path_, "PRAGMA user_version=8");
+  EXPECT_THAT(OpenError(), HasSubstr("store version 8, newest known to this program is 7"));
+  EXPECT_THAT(WriteError(), HasSubstr("store version 8, newest known to this program is 7"));
   EXPECT_THAT(ErrorOf([this] { MigrateStore(path_); }),
-              HasSubstr("store version 7, newest known to this program is 6"));
+              HasSubstr("store version 8, newest known to this program is 7"));
 }
 
 TEST_F(StoreIdentity, MissingTable) {

@@ -109,10 +109,10 @@ TEST_F(StoreLandmarksStep, BackAndForth) {
   EXPECT_THAT(back.steps, ElementsAre("0002_landmarks.back"));
   EXPECT_EQ(back.backup, path_ + ".v2.bak");
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM sqlite_schema WHERE name LIKE '%landmark%'"), "0");
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 1, this program needs 6"));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), HasSubstr("store version 1, this program needs 7"));
   EXPECT_THAT(ErrorOf([&] { Back(); }), HasSubstr("cannot go further back"));
-  EXPECT_THAT(MigrateStore(path_).steps,
-              ElementsAre("0002_landmarks", "0003_tracking", "0004_summary", "0005_places", "0006_carried"));
+  EXPECT_THAT(MigrateStore(path_).steps, ElementsAre("0002_landmarks", "0003_tracking", "0004_summary", "0005_places",
+                                                     "0006_carried", "0007_revisions"));
   EXPECT_EQ(FirstDifference(LoadFrom(path_), SoundAtlas()), "");
 }
 

@@ -111,7 +111,7 @@ TEST_F(StorePartial, WithoutFeatures) {
 // What is not selected is not even read: damage there goes unnoticed.
 TEST_F(StorePartial, TheRestIsNotRead) {
   Sql(path_,
-      "UPDATE keyframe_features SET columns = x'00' WHERE keyframe IN "
+      "UPDATE keyframe_features SET points = x'00' WHERE keyframe IN "
       "(SELECT row FROM keyframe WHERE id = (SELECT max(id) FROM keyframe))");
   ReadOptions options;
   options.selection.map = atlas_.maps[0].id;

@@ -29,13 +29,18 @@ void Save(const std::string& path, const std::string& name, const Atlas& atlas) 
   Store::OpenForWriting(path).Save(name, atlas, {.threads = 1});
 }
 
-// What a reader finds: each atlas with its hash, or why there is none.
+// What a reader finds: each atlas with its hash and those of its revisions, or why there is none.
 std::string Found(const std::string& path) {
   try {
     Store store = Store::Open(path);
     std::string found;
     for (const std::string& name : store.Names())
       found += detail::Concat(name, " ", HashOf(store.Load(name, {.threads = 1})), "; ");
+    for (const HistoryEntry& entry : store.Log()) {
+      if (!entry.readable) continue;
+      const std::string revision = detail::Concat(entry.atlas, "@", entry.revision);
+      found += detail::Concat(revision, " ", HashOf(store.Load(revision, {.threads = 1})), "; ");
+    }
     return found;
   } catch (const Error& error) {
     const bool is_nothing = error.kind() == ErrorKind::kNotFound ||
@@ -110,6 +115,18 @@ TEST_F(StorePower, Remove) {
   Save(path_, "a", SmallAtlas());
   Save(path_, "b", SmallAtlas(60));
   CutThePowerDuring([](const std::string& path) { Store::OpenForWriting(path).Remove("a"); });
+}
+
+TEST_F(StorePower, GiveUp) {
+  Atlas atlas = SmallAtlas();
+  for (int i = 0; i < 5; ++i) {
+    atlas.maps[0].points.pop_back();
+    atlas.maps[0].points[i].position.x() += 1;
+    Save(path_, "a", atlas);
+  }
+  Store::OpenForWriting(path_).Tag("a@2", "kept");
+  CutThePowerDuring([](const std::string& path) { Store::OpenForWriting(path).GiveUp({.keep = 2}); });
+  EXPECT_EQ(Sql(path_, "SELECT count(*) FROM revision"), "3");
 }
 
 TEST_F(StorePower, Vacuum) {

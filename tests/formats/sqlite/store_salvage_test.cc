@@ -167,19 +167,22 @@ TEST_F(StoreSalvage, ReadsWhatIsLeftOfAStoreThatWasCut) {
   EXPECT_GT(keyframes, 0U);
 }
 
-// The pages of the schema are not all at the beginning. What is lost with the last one are views.
-TEST_F(StoreSalvage, ReadsATableWhoseSchemaIsLeft) {
+// The pages of the schema lie before all content, vacuumed or not, so that a store that was cut has lost content alone.
+TEST_F(StoreSalvage, TheSchemaIsNotWhatACutTakes) {
   Store::OpenForWriting(path_, {.sync = false}).Vacuum();
+  EXPECT_LT(std::stoi(Sql(path_, "SELECT max(pageno) FROM dbstat WHERE name = 'sqlite_schema'")), 60);
   const std::string good = FileBytes(path_);
   std::ofstream(path_, std::ios::binary) << good.substr(0, good.size() - 8192);
+  std::size_t lost = 0;
   for (const char* name : {"a", ""}) {
     const Salvage salvage = detail::SalvageStore(path_, name, {});
     ASSERT_EQ(salvage.atlas.maps.size(), atlas_.maps.size());
     for (std::size_t i = 0; i < atlas_.maps.size(); ++i) {
-      EXPECT_EQ(salvage.atlas.maps[i].keyframes.size(), atlas_.maps[i].keyframes.size());
+      lost += atlas_.maps[i].keyframes.size() - salvage.atlas.maps[i].keyframes.size();
       EXPECT_EQ(salvage.atlas.maps[i].points.size(), atlas_.maps[i].points.size());
     }
   }
+  EXPECT_LE(lost, 2U) << "that of the last picture, each time";
 }
 
 // Rows without a hash of their own are held against that of the atlas.

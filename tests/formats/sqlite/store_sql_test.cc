@@ -21,7 +21,7 @@ class StoreSql : public ::testing::Test {
 TEST_F(StoreSql, MarksOfTheFile) {
   SaveIn(path_, Atlas());
   EXPECT_EQ(Query("PRAGMA application_id"), std::to_string(0x534C4442));
-  EXPECT_EQ(Query("PRAGMA user_version"), "6");
+  EXPECT_EQ(Query("PRAGMA user_version"), "7");
 }
 
 TEST_F(StoreSql, CameraCentresAndWorldFromCamera) {

@@ -69,7 +69,8 @@ TEST_F(StoreSummary, MigratingFillsItIn) {
   const StoredAtlas before = Listed();
   MigrateBackTo(path_, 3);
   EXPECT_EQ(Sql(path_, "SELECT count(*) FROM pragma_table_info('atlas') WHERE name = 'sensors'"), "0");
-  EXPECT_THAT(MigrateStore(path_, {.backup = false}).steps, ElementsAre("0004_summary", "0005_places", "0006_carried"));
+  EXPECT_THAT(MigrateStore(path_, {.backup = false}).steps,
+              ElementsAre("0004_summary", "0005_places", "0006_carried", "0007_revisions"));
   ExpectSame(Listed(), before);
   EXPECT_EQ(Listed().bytes, before.bytes);
   EXPECT_EQ(FirstDifference(LoadFrom(path_), SoundAtlas()), "");
@@ -104,7 +105,7 @@ TEST_F(StoreSummary, ASecondStepBackIsRefused) {
   SaveIn(path_, SoundAtlas());
   MigrateStore(path_, {.back = true, .backup = false});
   EXPECT_THAT(ErrorOf([&] { MigrateStore(path_, {.back = true, .dry_run = true}); }),
-              HasSubstr("is of version 5 and cannot go further back"));
+              HasSubstr("is of version 6 and cannot go further back"));
 }
 
 TEST_F(StoreSummary, ARowThatCannotBeIsAProblem) {

@@ -247,6 +247,15 @@ void Database::UseHugePages() {
   if (code != SQLITE_OK) throw Failure("", code);
 }
 
+Database Database::Temporary(const std::string& called) {
+  Database database(called);
+  database.OpenHandle("", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);  // so does SQLite call such a file
+  database.Execute(
+      "PRAGMA temp_store=FILE; PRAGMA cache_size=-16384; PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF; "
+      "PRAGMA foreign_keys=OFF; PRAGMA ignore_check_constraints=ON");
+  return database;
+}
+
 Database Database::OfBytes(Bytes bytes, const std::string& called) {
   Database database(called);
   database.OpenMemory();
@@ -284,10 +293,9 @@ Bytes Database::Serialized() {
   return {reinterpret_cast<const std::byte*>(bytes), static_cast<std::size_t>(size)};
 }
 
-void Database::OpenHandle(int flags, const char* vfs) {
+void Database::OpenHandle(const std::string& file, int flags, const char* vfs) {
   sqlite3* handle = nullptr;
-  const int code =
-      sqlite3_open_v2(FileNameOf(path_).c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, vfs);
+  const int code = sqlite3_open_v2(file.c_str(), &handle, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, vfs);
   handle_.reset(handle);
   if (code != SQLITE_OK) throw FailureOf(handle, code, path_, "", "cannot open: ");
   LimitWhatFilesCanDo(handle);
@@ -310,7 +318,7 @@ int Database::BeginReading() {
 void Database::OpenToRead() {
   const FilesBeside beside(path_);
   if (LacksIndex(beside)) return OpenImage(Access::kRead);
-  OpenHandle(SQLITE_OPEN_READWRITE);
+  OpenHandle(FileNameOf(path_), SQLITE_OPEN_READWRITE);
   if (HasContent(beside.log)) sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   const bool files_lie_beside = Exists(beside.log) && Exists(beside.index);
   const bool journal_lies_beside = HasContent(beside.journal);
@@ -328,7 +336,7 @@ void Database::OpenToRead() {
 
 void Database::OpenImage(Access access) {
   const bool salvage = access == Access::kSalvage;
-  OpenHandle(SQLITE_OPEN_READONLY, ImageVfs(salvage ? Missing::kIsZeros : Missing::kIsDamage));
+  OpenHandle(FileNameOf(path_), SQLITE_OPEN_READONLY, ImageVfs(salvage ? Missing::kIsZeros : Missing::kIsDamage));
   is_image_ = true;
   sqlite3_exec(handle(), "PRAGMA temp_store=MEMORY", nullptr, nullptr, nullptr);
   if (salvage) TolerateDamagedSchema();
@@ -345,7 +353,7 @@ void Database::TolerateDamagedSchema() {
 }
 
 void Database::OpenToWrite(Access access) {
-  OpenHandle(SQLITE_OPEN_READWRITE | (access == Access::kCreate ? SQLITE_OPEN_CREATE : 0));
+  OpenHandle(FileNameOf(path_), SQLITE_OPEN_READWRITE | (access == Access::kCreate ? SQLITE_OPEN_CREATE : 0));
   if (sqlite3_db_readonly(handle(), "main") == 1)
     throw Error(ErrorKind::kPermission, path_, "", "the file cannot be written");
   RegisterRows(handle());

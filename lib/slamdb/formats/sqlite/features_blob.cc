@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <limits>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/model/derive.h"
 
 namespace slamdb::sqlite {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+// Of a picture, and of the blob that older stores have, with the links to points in it.
+constexpr std::uint8_t kPictureLayout = 2, kWholeLayout = 1;
 constexpr std::int64_t kMaxDerivedCells = 65536;  // ORB-SLAM3's grid has 3072; a damaged one must not cost memory
 
 enum KeypointFlags : std::uint8_t {
@@ -300,11 +302,8 @@ std::size_t RowsOf(const Features& features) {
   return features.descriptors.size() + features.keypoints.size() + features.right_keypoints.size();
 }
 
-}  // namespace
-
-void EncodeFeatures(const KeyFrame& keyframe, ByteWriter& out) {
-  const Features& features = keyframe.features;
-  out.Put(kVersion);
+// What stands before the links to points in a blob of layout 1, and behind them.
+void PutFront(ByteWriter& out, const Features& features) {
   PutKeypoints(out, features.keypoints);
   const Undistorted undistorted = Compare(features.undistorted, features.keypoints);
   out.Put(static_cast<std::uint8_t>(undistorted));
@@ -313,7 +312,24 @@ void EncodeFeatures(const KeyFrame& keyframe, ByteWriter& out) {
   PutKeypoints(out, features.right_keypoints);
   out.Put(static_cast<std::uint8_t>(features.descriptors_form));
   out.PutVector(features.descriptors);
-  PutIds(out, features.map_points);
+}
+
+void GetFront(ByteReader& in, Features& features) {
+  GetKeypoints(in, features.keypoints);
+  const auto undistorted = static_cast<Undistorted>(in.Get<std::uint8_t>());
+  if (undistorted == Undistorted::kStored) {
+    GetKeypoints(in, features.undistorted);
+  } else {
+    features.undistorted = features.keypoints;
+    if (undistorted == Undistorted::kPositionsOnly) GetPositions(in, features.undistorted);
+  }
+  GetKeypoints(in, features.right_keypoints);
+  features.descriptors_form = static_cast<MatrixForm>(in.Get<std::uint8_t>() & 3);
+  in.GetVector(features.descriptors);
+}
+
+void PutBack(ByteWriter& out, const KeyFrame& keyframe) {
+  const Features& features = keyframe.features;
   const std::size_t rows = RowsOf(features);
   PutRepetitive(out, features.right_x, rows);
   PutRepetitive(out, features.depth, rows);
@@ -328,25 +344,8 @@ void EncodeFeatures(const KeyFrame& keyframe, ByteWriter& out) {
   PutUnsigned(out, features.feature_vector.features);
 }
 
-void DecodeFeatures(Bytes blob, KeyFrame& keyframe) {
+void GetBack(ByteReader& in, KeyFrame& keyframe) {
   Features& features = keyframe.features;
-  ByteReader in(blob);
-  if (const int version = in.Get<std::uint8_t>(); version != kVersion) {
-    throw Error(ErrorKind::kDamaged,
-                "features of layout " + std::to_string(version) + ", expected " + std::to_string(kVersion));
-  }
-  GetKeypoints(in, features.keypoints);
-  const auto undistorted = static_cast<Undistorted>(in.Get<std::uint8_t>());
-  if (undistorted == Undistorted::kStored) {
-    GetKeypoints(in, features.undistorted);
-  } else {
-    features.undistorted = features.keypoints;
-    if (undistorted == Undistorted::kPositionsOnly) GetPositions(in, features.undistorted);
-  }
-  GetKeypoints(in, features.right_keypoints);
-  features.descriptors_form = static_cast<MatrixForm>(in.Get<std::uint8_t>() & 3);
-  in.GetVector(features.descriptors);
-  GetIds(in, features.map_points);
   const std::size_t rows = RowsOf(features);
   GetRepetitive(in, features.right_x, rows);
   GetRepetitive(in, features.depth, rows);
@@ -360,6 +359,80 @@ void DecodeFeatures(Bytes blob, KeyFrame& keyframe) {
   GetUnsigned(in, features.feature_vector.sizes);
   GetUnsigned(in, features.feature_vector.features);
   in.ExpectEnd();
+}
+
+void ExpectLayout(ByteReader& in, std::uint8_t layout) {
+  if (const int found = in.Get<std::uint8_t>(); found != layout)
+    throw Error(ErrorKind::kDamaged, detail::Concat("features of layout ", found, ", expected ", int{layout}));
+}
+
+// How many bytes of a blob stand before what `in` has yet to read.
+std::size_t Behind(Bytes blob, const ByteReader& in) { return blob.size() - in.left(); }
+
+}  // namespace
+
+void EncodePicture(const KeyFrame& keyframe, ByteWriter& out) {
+  out.Put(kPictureLayout);
+  PutFront(out, keyframe.features);
+  PutBack(out, keyframe);
+}
+
+void EncodePoints(const KeyFrame& keyframe, ByteWriter& out) { PutIds(out, keyframe.features.map_points); }
+
+void DecodeFeatures(Bytes picture, Bytes points, KeyFrame& keyframe) {
+  ByteReader in(picture);
+  ExpectLayout(in, kPictureLayout);
+  GetFront(in, keyframe.features);
+  GetBack(in, keyframe);
+  ByteReader ids(points);
+  GetIds(ids, keyframe.features.map_points);
+  ids.ExpectEnd();
+}
+
+void DecodeWholeFeatures(Bytes blob, KeyFrame& keyframe) {
+  ByteReader in(blob);
+  ExpectLayout(in, kWholeLayout);
+  GetFront(in, keyframe.features);
+  GetIds(in, keyframe.features.map_points);
+  GetBack(in, keyframe);
+}
+
+SplitFeatures Split(Bytes whole) {
+  try {
+    Features features;
+    ByteReader in(whole);
+    ExpectLayout(in, kWholeLayout);
+    GetFront(in, features);
+    const std::size_t front = Behind(whole, in);
+    GetIds(in, features.map_points);
+    const std::size_t back = Behind(whole, in);
+    ByteWriter picture;
+    picture.Put(kPictureLayout);
+    picture.PutBytes(whole.subspan(1, front - 1));
+    picture.PutBytes(whole.subspan(back));
+    return {picture.Take(), whole.subspan(front, back - front)};
+  } catch (const Error&) {  // damaged: it stays as it is, and loading says so
+    return {std::string(reinterpret_cast<const char*>(whole.data()), whole.size()), {}};
+  }
+}
+
+std::string Join(Bytes picture, Bytes points) {
+  ByteWriter whole;
+  try {
+    Features features;
+    ByteReader in(picture);
+    ExpectLayout(in, kPictureLayout);
+    GetFront(in, features);
+    const std::size_t front = Behind(picture, in);
+    whole.Put(kWholeLayout);
+    whole.PutBytes(picture.subspan(1, front - 1));
+    whole.PutBytes(points);
+    whole.PutBytes(picture.subspan(front));
+  } catch (const Error&) {
+    whole.Clear();
+    whole.PutBytes(picture);
+  }
+  return whole.Take();
 }
 
 }  // namespace slamdb::sqlite

@@ -48,19 +48,39 @@ class PlainTables {
 
 // A damaged or hostile file may lack a table, or have something else of its name.
 void CheckTables(Database& database, int version, Derived derived) {
+  struct Table {
+    const char* name;
+    int since;       // the version of the schema that brought it
+    bool is_needed;  // by who reads the newest revision of an atlas
+  };
+  constexpr Table kTables[] = {
+      {"atlas", 1, true},
+      {"camera", 1, true},
+      {"map", 1, true},
+      {"map_origin", 1, true},
+      {"repeated_entry", 1, true},
+      {"keyframe", 1, true},
+      {"keyframe_features", 1, true},
+      {"keyframe_link", 1, true},
+      {"map_point", 1, true},
+      {"map_point_box", 1, false},
+      {"observation", 1, true},
+      {"history", 1, true},
+      {"writer", 1, true},
+      {"landmark", kFirstVersionWithLandmarks, true},
+      {"keyframe_words", kFirstVersionWithPlaces, false},
+      {"carried", kFirstVersionWithCarried, false},
+      {"picture", kFirstVersionWithRevisions, true},
+      {"past", kFirstVersionWithRevisions, false},
+      {"revision", kFirstVersionWithRevisions, false},
+      {"tag", kFirstVersionWithRevisions, false},
+  };
   PlainTables plain(database);
-  for (const char* table :
-       {"atlas", "camera", "map", "map_origin", "repeated_entry", "keyframe", "keyframe_features", "keyframe_link",
-        "map_point", "map_point_box", "observation", "history", "writer", "landmark", "keyframe_words", "carried"}) {
-    if (version < kFirstVersionWithLandmarks && table == std::string_view("landmark")) continue;
-    if (version < kFirstVersionWithCarried && table == std::string_view("carried")) continue;
-    if (version < kFirstVersionWithPlaces && table == std::string_view("keyframe_words")) continue;
-    const bool is_needed = table != std::string_view("map_point_box") && table != std::string_view("keyframe_words") &&
-                           table != std::string_view("carried");
-    if (derived == Derived::kNotNeeded && !is_needed) continue;
-    if (!plain.Have(table)) {
-      throw Error(ErrorKind::kDamaged, database.path(), std::string("table ") + table, "missing: the store is damaged");
-    }
+  for (const Table& table : kTables) {
+    if (version < table.since || (derived == Derived::kNotNeeded && !table.is_needed)) continue;
+    if (!plain.Have(table.name))
+      throw Error(ErrorKind::kDamaged, database.path(), std::string("table ") + table.name,
+                  "missing: the store is damaged");
   }
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstring>
 
+#include "slamdb/formats/sqlite/detail/list_order.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/model/detail/record.h"
@@ -130,7 +131,10 @@ void SaveLandmarks(SaveContext& context, std::int64_t row, const Map& map, const
   for (const Landmark& landmark : map.landmarks) ids.push_back(ToColumn(landmark.id));
   const ListPlan plan = PlanList(ids, stored, FirstRowOfMap(row));
   Statement remove(context.database, "DELETE FROM landmark WHERE row = ?1", "table landmark");
-  for (const std::int64_t removed : plan.removed) remove.Bind(1, removed).Run();
+  for (const std::int64_t removed : plan.removed) {
+    context.past.Keep(Part::kLandmark, removed);
+    remove.Bind(1, removed).Run();
+  }
   TableChanges& changes = context.changes[kTable];
   changes.deleted += plan.removed.size();
   LandmarkWriter writer(context.database);
@@ -139,20 +143,26 @@ void SaveLandmarks(SaveContext& context, std::int64_t row, const Map& map, const
     const StoredRow* old = entry.stored;
     const bool same = old != nullptr && old->hash == hashes.landmarks[i] && old->unique == entry.unique;
     ++(same ? changes.unchanged : old != nullptr ? changes.updated : changes.inserted);
-    if (!same) writer.Write(row, entry, map.landmarks[i], hashes.landmarks[i]);
+    if (same) continue;
+    context.past.Keep(Part::kLandmark, entry.row);
+    writer.Write(row, entry, map.landmarks[i], hashes.landmarks[i]);
   }
+  SaveOrder(context, row, "landmark", plan);
 }
 
 void LoadLandmarks(Database& database, std::int64_t map, const Selection& selection, std::vector<Landmark>& landmarks,
                    std::vector<std::int64_t>& hashes) {
   LandmarkReader reader(database);
   reader.Start(FirstRowOfMap(map), LastRowOfMap(map));
+  std::vector<std::int64_t> rows;
   Landmark landmark;
   for (std::int64_t hash = 0; reader.Read(landmark, hash);) {
     if (selection.box && !selection.box->contains(landmark.mean.cast<float>())) continue;
     landmarks.push_back(std::move(landmark));
     hashes.push_back(hash);
+    rows.push_back(reader.row());
   }
+  ListOrder::Of(database, map, "landmark").Sort(rows, landmarks, hashes);
 }
 
 void LoadLandmarkRows(Database& database, std::span<const std::int64_t> rows, std::span<Landmark> landmarks) {

@@ -10,7 +10,9 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
+#include "slamdb/formats/sqlite/detail/list_order.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
+#include "slamdb/formats/sqlite/detail/past.h"
 #include "slamdb/formats/sqlite/options.h"
 #include "slamdb/model/detail/packing.h"
 
@@ -282,29 +284,141 @@ void RequireSame(Database& database, const char* table, std::int64_t row, std::u
   database.edits()->push_back({table, row, id});
 }
 
-Atlas LoadAtlas(Database& database, std::int64_t row, const ReadOptions& options) {
+namespace {
+
+// An entry of a list that is merged of two.
+struct Place {
+  bool second = false;
+  std::size_t index = 0;
+};
+
+// By their rows, which ascend.
+std::vector<Place> MergeOrder(std::span<const std::int64_t> first, std::span<const std::int64_t> second) {
+  std::vector<Place> order;
+  order.reserve(first.size() + second.size());
+  std::size_t i = 0, k = 0;
+  while (i < first.size() || k < second.size()) {
+    const bool from_second = i == first.size() || (k < second.size() && second[k] < first[i]);
+    order.push_back({from_second, from_second ? k++ : i++});
+  }
+  return order;
+}
+
+template <class List>
+void Merge(std::span<const Place> order, List& first, List& second) {
+  List merged;
+  merged.reserve(order.size());
+  for (const Place& place : order) merged.push_back(std::move((place.second ? second : first)[place.index]));
+  first = std::move(merged);
+}
+
+// The rows of a map that an earlier revision shares with the newest.
+MapRows SharedRows(Database& database, std::int64_t map, const Selection& selection, const PastRows& past) {
+  const auto without = [](const std::vector<std::int64_t>& rows, const std::vector<std::int64_t>& others) {
+    std::vector<std::int64_t> left;
+    std::ranges::set_difference(rows, others, std::back_inserter(left));
+    return left;
+  };
+  return {map, without(KeyframeRows(database, map, selection), past.keyframes),
+          without(PointRows(database, map, selection), past.points)};
+}
+
+// Loads what an earlier revision shares with the newest, and puts it into the lists of `maps`.
+void LoadShared(Database& database, std::int64_t atlas_row, const ReadOptions& options, const PastRows& past,
+                std::vector<MapRows>& maps, Atlas& atlas, AtlasHashes& hashes) {
+  const std::vector<std::int64_t> now = RowsOfMaps(database, atlas_row);
+  std::vector<MapRows> shared_rows;
+  for (const MapRows& map : maps)
+    shared_rows.push_back(std::ranges::find(now, map.row) == now.end()
+                              ? MapRows{map.row, {}, {}}
+                              : SharedRows(database, map.row, options.selection, past));
+  Atlas shared;
+  AtlasHashes shared_hashes;
+  shared.maps.resize(maps.size());
+  LoadLists(database, atlas_row, options, shared_rows, shared, shared_hashes);
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    AtlasHashes::OfMap &of = hashes.maps[i], &of_shared = shared_hashes.maps[i];
+    const std::vector<Place> keyframes = MergeOrder(maps[i].keyframes, shared_rows[i].keyframes);
+    Merge(keyframes, atlas.maps[i].keyframes, shared.maps[i].keyframes);
+    Merge(keyframes, maps[i].keyframes, shared_rows[i].keyframes);
+    for (const auto list : {&AtlasHashes::OfMap::keyframes, &AtlasHashes::OfMap::links, &AtlasHashes::OfMap::features})
+      Merge(keyframes, of.*list, of_shared.*list);
+    const std::vector<Place> points = MergeOrder(maps[i].points, shared_rows[i].points);
+    Merge(points, atlas.maps[i].points, shared.maps[i].points);
+    Merge(points, maps[i].points, shared_rows[i].points);
+    for (const auto list : {&AtlasHashes::OfMap::points, &AtlasHashes::OfMap::observations})
+      Merge(points, of.*list, of_shared.*list);
+  }
+}
+
+// Brings what was read in the order of rows into that of the lists.
+void SortLists(Database& database, const std::vector<MapRows>& maps, Atlas& atlas, AtlasHashes& hashes) {
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    AtlasHashes::OfMap& of = hashes.maps[i];
+    const auto sort = [&](std::string_view list, std::span<const std::int64_t> rows, auto&... lists) {
+      const ListOrder order = ListOrder::Of(database, maps[i].row, list);
+      try {
+        order.Sort(rows, lists...);
+      } catch (const Error& error) {
+        throw Error(error.kind(), database.path(), PlaceOf("map", maps[i].row),
+                    error.problem() + ": the store is damaged");
+      }
+    };
+    sort("keyframe", maps[i].keyframes, atlas.maps[i].keyframes, of.keyframes, of.links, of.features);
+    sort("point", maps[i].points, atlas.maps[i].points, of.points, of.observations);
+  }
+}
+
+// Loads what `database` has of the atlas: all of it, or what an earlier revision does not share with the newest.
+std::vector<MapRows> LoadOwn(Database& database, std::int64_t row, const ReadOptions& options, Atlas& atlas,
+                             AtlasHashes& hashes) {
   const Selection& selection = options.selection;
   const bool whole = selection.everything();
-  Atlas atlas;
   LoadHeader(database, row, atlas);
   LoadCameras(database, row, atlas);
   if (whole) {
     atlas.repeated_maps = LoadRepeated(database, row, "maps", 0);
     atlas.repeated_cameras = LoadRepeated(database, row, "cameras", 0);
   }
-  const std::vector<MapRows> maps = LoadMaps(database, row, selection, whole, atlas);
-  AtlasHashes hashes;
+  std::vector<MapRows> maps = LoadMaps(database, row, selection, whole, atlas);
   LoadLists(database, row, options, maps, atlas, hashes);
   for (std::size_t i = 0; i < maps.size(); ++i)
     LoadLandmarks(database, maps[i].row, selection, atlas.maps[i].landmarks, hashes.maps[i].landmarks);
-  if (!whole || options.features == FeatureColumns::kNone) return atlas;
+  return maps;
+}
 
+// Where all was read, it has the hash that is stored.
+void CheckHash(Database& database, std::int64_t row, const Atlas& atlas, AtlasHashes& hashes) {
   hashes.header = detail::HashOfAtlasHeader(atlas, atlas.encoding);
   for (const Camera& camera : atlas.cameras) hashes.cameras.push_back(detail::HashOf(camera));
-  for (std::size_t i = 0; i < maps.size(); ++i) hashes.maps[i].header = detail::HashOfHeader(atlas.maps[i]);
-  if (hashes.Combined() != database.Integer("SELECT hash FROM atlas WHERE row = " + std::to_string(row))) {
+  for (std::size_t i = 0; i < atlas.maps.size(); ++i) hashes.maps[i].header = detail::HashOfHeader(atlas.maps[i]);
+  if (hashes.Combined() != database.Integer("SELECT hash FROM atlas WHERE row = " + std::to_string(row)))
     throw DamagedRow(database, "atlas", row);
-  }
+}
+
+}  // namespace
+
+Atlas LoadAtlas(Database& database, std::int64_t row, const ReadOptions& options) {
+  Atlas atlas;
+  AtlasHashes hashes;
+  const std::vector<MapRows> maps = LoadOwn(database, row, options, atlas, hashes);
+  SortLists(database, maps, atlas, hashes);
+  if (options.selection.everything() && options.features != FeatureColumns::kNone)
+    CheckHash(database, row, atlas, hashes);
+  return atlas;
+}
+
+Atlas LoadPast(Database& database, std::int64_t row, PastRows& past, const ReadOptions& options) {
+  Atlas atlas;
+  AtlasHashes hashes;
+  if (options.selection.box) IndexBoxes(past.rows);
+  ReadOptions alone = options;
+  alone.threads = 1;  // of a temporary database there is one connection
+  std::vector<MapRows> maps = LoadOwn(past.rows, row, alone, atlas, hashes);
+  LoadShared(database, row, options, past, maps, atlas, hashes);
+  SortLists(past.rows, maps, atlas, hashes);
+  if (options.selection.everything() && options.features != FeatureColumns::kNone)
+    CheckHash(past.rows, row, atlas, hashes);
   return atlas;
 }
 

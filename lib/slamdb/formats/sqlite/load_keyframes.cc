@@ -4,6 +4,7 @@
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/formats/sqlite/detail/load.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/visit_rows.h"
 #include "slamdb/model/detail/record.h"
 
@@ -121,14 +122,23 @@ void ReadLinks(Database& database, std::span<const std::int64_t> rows, std::span
 
 void ReadFeatures(Database& database, std::span<const std::int64_t> rows, std::span<KeyFrame> keyframes,
                   std::span<std::int64_t> hashes) {
+  const bool has_pictures = VersionOf(database) >= kFirstVersionWithRevisions;  // what is salvaged may be older
   Statement statement(database,
-                      "SELECT keyframe, hash, columns FROM keyframe_features WHERE keyframe BETWEEN ?1 AND ?2 "
-                      "ORDER BY keyframe",
+                      has_pictures ? "SELECT keyframe, keyframe_features.hash, points, columns FROM keyframe_features "
+                                     "LEFT JOIN picture ON picture.row = picture WHERE keyframe BETWEEN ?1 AND ?2 "
+                                     "ORDER BY keyframe"
+                                   : "SELECT keyframe, hash, columns FROM keyframe_features WHERE keyframe BETWEEN ?1 "
+                                     "AND ?2 ORDER BY keyframe",
                       "table keyframe_features");
   statement.Bind(1, rows.front()).Bind(2, rows.back());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe_features", rows[i]);
-    DecodeAt(database, "keyframe_features", rows[i], [&] { DecodeFeatures(statement.Blob(2), keyframes[i]); });
+    DecodeAt(database, "keyframe_features", rows[i], [&] {
+      if (has_pictures)
+        DecodeFeatures(statement.Blob(3), statement.Blob(2), keyframes[i]);
+      else
+        DecodeWholeFeatures(statement.Blob(2), keyframes[i]);
+    });
     hashes[i] = detail::HashOfFeatures(keyframes[i]);
     RequireSame(database, "keyframe_features", rows[i], keyframes[i].id.value(), hashes[i] == statement.Integer(1));
   }

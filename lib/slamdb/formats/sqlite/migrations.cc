@@ -6,6 +6,8 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/backup.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
+#include "slamdb/formats/sqlite/detail/list_order.h"
+#include "slamdb/formats/sqlite/detail/pictures.h"
 #include "slamdb/formats/sqlite/detail/place_words.h"
 #include "slamdb/formats/sqlite/detail/summary.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
@@ -37,7 +39,16 @@ void RecordMigration(Database& database, const MigrateReport& report) {
   insert.BindText(1, now).BindText(2, tool).BindText(3, what).Run();
 }
 
+void Stamp(Database& database, int version) {
+  database.Execute("PRAGMA application_id=" + std::to_string(kApplicationId));
+  database.Execute("PRAGMA user_version=" + std::to_string(version));
+}
+
 void RunStepBack(Database& database, const Migration& migration) {
+  if (migration.number == kFirstVersionWithRevisions) {
+    MakeListsAscend(database);
+    JoinAllFeatures(database);
+  }
   database.Execute(std::string(migration.back));
   database.Execute("PRAGMA user_version=" + std::to_string(migration.number - 1));
 }
@@ -65,13 +76,17 @@ int NewestVersion() { return Migrations().back().number; }
 
 int VersionOf(Database& database) { return static_cast<int>(database.Integer("PRAGMA user_version")); }
 
+void MakeTables(Database& database) {
+  for (const char* statement : NewestSchema()) database.Execute(statement);
+  Stamp(database, NewestVersion());
+}
+
 void RunMigrations(Database& database, std::span<const Migration> migrations) {
   const int version = VersionOf(database);
   for (const Migration& migration : migrations) {
     if (migration.number > version) database.Execute(std::string(migration.sql));
   }
-  database.Execute("PRAGMA application_id=" + std::to_string(kApplicationId));
-  database.Execute("PRAGMA user_version=" + std::to_string(migrations.back().number));
+  Stamp(database, migrations.back().number);
 }
 
 MigrateReport Migrate(const std::string& path, const MigrateOptions& options, std::span<const Migration> migrations) {
@@ -101,6 +116,7 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
     RunStepBack(database, migrations.back());
   else
     RunMigrations(database, migrations);
+  if (report.from < kFirstVersionWithRevisions && report.to >= kFirstVersionWithRevisions) SplitAllFeatures(database);
   if (report.to >= kFirstVersionWithSummaries) SaveMissingSummaries(database);
   if (report.from < kFirstVersionWithPlaces && report.to >= kFirstVersionWithPlaces) RebuildPlaceWords(database);
   RecordMigration(database, report);

@@ -27,7 +27,7 @@ void CreateSchema(Database& database) {
   database.UseLog();
   WriteTransaction transaction(database);
   if (HasTables(database)) return;  // another program was faster
-  RunMigrations(database, Migrations());
+  MakeTables(database);
   transaction.Commit();
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "slamdb/export.h"
+#include "slamdb/formats/sqlite/revisions.h"
 
 namespace slamdb {
 
@@ -17,8 +19,9 @@ struct SLAMDB_EXPORT StoreReadOptions {
 
 // How WriteAtlas writes to a store.
 struct SLAMDB_EXPORT StoreWriteOptions {
-  std::string provenance;   // one line for the history: what made this atlas (`convert session_a.osa`)
-  double lock_timeout = 5;  // seconds to wait for another process that writes
+  std::string provenance;            // one line for the history: what made this atlas (`convert session_a.osa`)
+  double lock_timeout = 5;           // seconds to wait for another process that writes
+  std::optional<RevisionName> from;  // what it was made of besides the revision before it, as by a merge
 };
 
 }  // namespace slamdb

@@ -107,7 +107,8 @@ class Writer {
   Statement insert_;
 };
 
-void RemoveOthers(Database& database, std::span<const StoredWords> stored, std::span<const std::int64_t> rows) {
+void RemoveOthers(Database& database, std::span<const StoredWords> stored, std::vector<std::int64_t> rows) {
+  std::ranges::sort(rows);
   Statement remove(database, "DELETE FROM keyframe_words WHERE keyframe = ?1", "table keyframe_words");
   for (const StoredWords& each : stored)
     if (!std::ranges::binary_search(rows, each.row)) remove.Bind(1, each.row).Run();
@@ -152,7 +153,7 @@ std::vector<double> PlaceWordFrequencies() {
 void SavePlaceWords(SaveContext& context, std::int64_t map_row, const Map& map, std::span<const std::int64_t> rows,
                     std::span<const std::int64_t> features_hashes) {
   const std::vector<StoredWords> stored = ReadStored(context.database, map_row);
-  RemoveOthers(context.database, stored, rows);
+  RemoveOthers(context.database, stored, {rows.begin(), rows.end()});
   std::vector<std::size_t> changed;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto old = std::ranges::lower_bound(stored, rows[i], {}, &StoredWords::row);

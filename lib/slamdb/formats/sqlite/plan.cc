@@ -84,38 +84,27 @@ std::vector<Match> MatchRows(std::span<const std::int64_t> ids, std::span<const 
   return matches;
 }
 
-// The list with rows 0, 1, 2, ... as when it is saved for the first time.
-ListPlan PlanAnew(std::span<const std::int64_t> ids, std::span<const StoredRow> stored, std::int64_t first_row) {
-  ListPlan plan;
-  plan.entries.reserve(ids.size());
-  for (const Match& match : MatchRows(ids, {})) plan.entries.push_back({first_row++, match.unique, nullptr});
-  for (const StoredRow& row : stored) plan.removed.push_back(row.row);
-  return plan;
-}
-
 }  // namespace
 
 ListPlan PlanList(std::span<const std::int64_t> ids, std::span<const StoredRow> stored, std::int64_t first_row) {
-  if (ids.size() > 0xffffffffU)
-    throw Error(ErrorKind::kNotPossible, "a map with more than 4294967295 keyframes or points does not fit a store");
-  if (stored.empty()) return PlanAnew(ids, stored, first_row);
-
+  constexpr std::int64_t kMost = 0xffffffff;
   ListPlan plan;
   plan.entries.reserve(ids.size());
   std::vector<bool> used(stored.size());
-  std::int64_t next_row = first_row;  // the smallest row that keeps the order
-  const std::int64_t end_row = stored.back().row + 1;
+  std::int64_t next_row = stored.empty() ? first_row : stored.back().row + 1;
   for (const Match& match : MatchRows(ids, stored)) {
-    ListPlan::Entry entry{.row = std::max(next_row, end_row), .unique = match.unique, .stored = nullptr};
-    if (match.stored != kNoRow) {
-      entry.stored = &stored[match.stored];
-      entry.row = entry.stored->row;
-      used[match.stored] = true;
+    if (match.stored == kNoRow) {
+      plan.entries.push_back({next_row++, match.unique, nullptr});
+      continue;
     }
-    if (entry.row < next_row || entry.row - first_row > 0xffffffff) return PlanAnew(ids, stored, first_row);
-    next_row = entry.row + 1;
-    plan.entries.push_back(entry);
+    used[match.stored] = true;
+    plan.entries.push_back({stored[match.stored].row, match.unique, &stored[match.stored]});
   }
+  if (next_row - first_row > kMost)
+    throw Error(
+        ErrorKind::kNotPossible,
+        "a map with more than 4294967295 keyframes or points, those that it had before included, does not fit a "
+        "store: save it under another name");
   for (std::size_t i = 0; i < stored.size(); ++i) {
     if (!used[i]) plan.removed.push_back(stored[i].row);
   }

@@ -16,6 +16,13 @@ namespace slamdb {
 // As schema/log.schema.json describes it.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const HistoryEntry> entries, const std::string& input = {});
 
+// Of the tags in a history: as schema/tag.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string TagsAsJson(std::span<const HistoryEntry> entries,
+                                                   const std::string& input = {});
+
+// As schema/gc.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const GiveUpReport& report, const std::string& input = {});
+
 // As schema/stats.schema.json describes it.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const StoreStats& stats, const std::string& input = {});
 

@@ -8,6 +8,16 @@ namespace {
 
 using detail::Json;
 
+Json JsonOf(const MapChanges& changes) {
+  return {{"keyframes",
+           {{"added", changes.keyframes_added},
+            {"removed", changes.keyframes_removed},
+            {"moved", changes.keyframes_moved}}},
+          {"points",
+           {{"added", changes.points_added}, {"removed", changes.points_removed}, {"moved", changes.points_moved}}},
+          {"observations", {{"added", changes.observations_added}, {"removed", changes.observations_removed}}}};
+}
+
 Json JsonOf(const HistoryEntry& entry) {
   return {{"at", entry.at},
           {"tool", entry.tool},
@@ -23,7 +33,16 @@ Json JsonOf(const HistoryEntry& entry) {
             {"updated", entry.updated},
             {"deleted", entry.deleted},
             {"unchanged", entry.unchanged}}},
-          {"hash", detail::Hex(entry.hash)}};
+          {"hash", detail::Hex(entry.hash)},
+          {"who", entry.who},
+          {"revision", entry.revision == 0 ? Json() : Json(entry.revision)},
+          {"readable", entry.readable},
+          {"tags", entry.tags},
+          {"from", entry.from ? Json{{"name", entry.from->atlas},
+                                     {"revision", entry.from->number},
+                                     {"hash", detail::Hex(entry.from->hash)}}
+                              : Json()},
+          {"changes", entry.changes ? JsonOf(*entry.changes) : Json()}};
 }
 
 }  // namespace
@@ -32,6 +51,25 @@ std::string ToJson(std::span<const HistoryEntry> entries, const std::string& inp
   Json json = detail::ReportHead("log", input);
   json["entries"] = Json::array();
   for (const HistoryEntry& entry : entries) json["entries"].push_back(JsonOf(entry));
+  return detail::JsonText(json);
+}
+
+std::string TagsAsJson(std::span<const HistoryEntry> entries, const std::string& input) {
+  Json json = detail::ReportHead("tag", input);
+  json["tags"] = Json::array();
+  for (const HistoryEntry& entry : entries)
+    for (const std::string& tag : entry.tags)
+      json["tags"].push_back({{"tag", tag}, {"name", entry.atlas}, {"revision", entry.revision}, {"at", entry.at}});
+  return detail::JsonText(json);
+}
+
+std::string ToJson(const GiveUpReport& report, const std::string& input) {
+  Json json = detail::ReportHead("gc", input);
+  json["atlases"] = Json::array();
+  for (const GivenUp& atlas : report.atlases)
+    json["atlases"].push_back({{"name", atlas.atlas}, {"given_up", atlas.revisions}, {"kept", atlas.kept}});
+  json["pictures"] = report.pictures;
+  json["bytes"] = report.bytes;
   return detail::JsonText(json);
 }
 

@@ -11,6 +11,7 @@
 #include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/image.h"
+#include "slamdb/formats/sqlite/detail/list_order.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/plan.h"
@@ -87,11 +88,11 @@ class StoreSalvager {
     read.id = map.id;
     const auto cannot = [](std::int64_t, auto&) { return false; };
     ReadList(
-        row, "keyframe", kKeyframesPerRead, map.keyframes, read.keyframes,
+        row, "keyframe", "keyframe", kKeyframesPerRead, map.keyframes, read.keyframes,
         [&](auto rows, auto entities) { LoadKeyframeRows(rows, {}, entities); },
         [&](std::int64_t keyframe, KeyFrame& entity) { return LoadWithoutLinks(keyframe, entity, read); });
     ReadList(
-        row, "map_point", kPointsPerRead, map.points, read.points,
+        row, "map_point", "point", kPointsPerRead, map.points, read.points,
         [&](auto rows, auto entities) {
           std::vector<std::int64_t> hashes(rows.size()), observations(rows.size());
           LoadPoints(database_, rows, entities, hashes, observations);
@@ -99,7 +100,7 @@ class StoreSalvager {
         cannot);
     if (VersionOf(database_) >= kFirstVersionWithLandmarks)
       ReadList(
-          row, "landmark", kLandmarksPerRead, map.landmarks, read.landmarks,
+          row, "landmark", "landmark", kLandmarksPerRead, map.landmarks, read.landmarks,
           [&](auto rows, auto entities) { LoadLandmarkRows(database_, rows, entities); }, cannot);
     salvage_.atlas.maps.push_back(std::move(map));
     salvage_.maps.push_back(std::move(read));
@@ -213,30 +214,36 @@ class StoreSalvager {
     for (const std::int64_t map : maps) {
       AtlasHashes::OfMap& of = hashes.maps.emplace_back();
       of.header = database_.Integer("SELECT hash FROM map WHERE row = " + std::to_string(map));
-      TakeHashes(map, "keyframe", "hash, links_hash", {&of.keyframes, &of.links});
-      TakeHashes(map, "map_point", "hash, observations_hash", {&of.points, &of.observations});
-      TakeHashes(map, "keyframe_features", "hash", {&of.features}, "keyframe");
-      if (VersionOf(database_) >= kFirstVersionWithLandmarks) TakeHashes(map, "landmark", "hash", {&of.landmarks});
+      TakeHashes(map, "keyframe", "keyframe", "hash, links_hash", {&of.keyframes, &of.links});
+      TakeHashes(map, "map_point", "point", "hash, observations_hash", {&of.points, &of.observations});
+      TakeHashes(map, "keyframe_features", "keyframe", "hash", {&of.features}, "keyframe");
+      if (VersionOf(database_) >= kFirstVersionWithLandmarks)
+        TakeHashes(map, "landmark", "landmark", "hash", {&of.landmarks});
     }
     return hashes;
   }
-  void TakeHashes(std::int64_t map, const std::string& table, std::string_view columns,
+  void TakeHashes(std::int64_t map, const std::string& table, std::string_view order, std::string_view columns,
                   std::initializer_list<std::vector<std::int64_t>*> lists, std::string_view key = "row") {
     Statement statement(database_,
-                        detail::Concat("SELECT ", columns, " FROM ", table, " WHERE ", key, " BETWEEN ",
+                        detail::Concat("SELECT ", key, ", ", columns, " FROM ", table, " WHERE ", key, " BETWEEN ",
                                        FirstRowOfMap(map), " AND ", LastRowOfMap(map), " ORDER BY ", key),
                         "table " + table);
+    std::vector<std::int64_t> rows;
     while (statement.Step()) {
       int column = 0;
+      rows.push_back(statement.Integer(column++));
       for (std::vector<std::int64_t>* list : lists) list->push_back(statement.Integer(column++));
     }
+    const ListOrder of_list = ListOrder::Of(database_, map, order);
+    for (std::vector<std::int64_t>* list : lists) of_list.Sort(rows, *list);
   }
 
   // `rescue` reads of a row that is damaged what can stand without the rest; false: nothing.
   template <class List, class Load, class Rescue>
-  void ReadList(std::int64_t map, const std::string& table, std::size_t grain, List& list, SalvagedList& read,
-                const Load& load, const Rescue& rescue) {
+  void ReadList(std::int64_t map, const std::string& table, std::string_view order, std::size_t grain, List& list,
+                SalvagedList& read, const Load& load, const Rescue& rescue) {
     const std::optional<std::vector<std::int64_t>> rows = RowsOf(map, table);
+    rows_read_.clear();
     if (rows) {
       for (std::size_t first = 0; first < rows->size(); first += grain)
         ReadRows(std::span(*rows).subspan(first, std::min(grain, rows->size() - first)), list, load, rescue);
@@ -246,6 +253,7 @@ class StoreSalvager {
       read.listed = list.size() + 1;  // at least the last one is lost
     }
     read.read = list.size();
+    Try([&] { ListOrder::Of(database_, map, order).Sort(rows_read_, list); });
   }
 
   // Rows whose number is not known are read until a run of them gives nothing.
@@ -269,11 +277,14 @@ class StoreSalvager {
     try {
       load(rows, std::span(entities));
       std::ranges::move(entities, std::back_inserter(list));
+      rows_read_.insert(rows_read_.end(), rows.begin(), rows.end());
     } catch (const Error& error) {
       if (edits != nullptr) edits->resize(noted);
       if (rows.size() == 1) {
         Note(error);
-        if (entities.front() = {}; rescue(rows.front(), entities.front())) list.push_back(std::move(entities.front()));
+        if (entities.front() = {}; !rescue(rows.front(), entities.front())) return;
+        list.push_back(std::move(entities.front()));
+        rows_read_.push_back(rows.front());
         return;
       }
       ReadRows(rows.first(rows.size() / 2), list, load, rescue);
@@ -283,6 +294,7 @@ class StoreSalvager {
 
   Database& database_;
   std::int64_t atlas_;
+  std::vector<std::int64_t> rows_read_;  // of the list that is read
   Salvage salvage_;
 };
 

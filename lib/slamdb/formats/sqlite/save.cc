@@ -6,6 +6,8 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
+#include "slamdb/formats/sqlite/detail/list_order.h"
+#include "slamdb/formats/sqlite/detail/pictures.h"
 #include "slamdb/formats/sqlite/detail/place_words.h"
 #include "slamdb/formats/sqlite/detail/summary.h"
 #include "slamdb/formats/sqlite/detail/visit_rows.h"
@@ -29,15 +31,19 @@ std::string ParametersAsJson(const std::vector<float>& parameters) {
   return json + "]";
 }
 
-std::optional<std::int64_t> AtlasNamed(Database& database, const std::string& name) {
-  Statement statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas");
+struct StoredHead {
+  std::int64_t row = 0, revision = 0, hash = 0;
+};
+
+std::optional<StoredHead> AtlasNamed(Database& database, const std::string& name) {
+  Statement statement(database, "SELECT row, revision, hash FROM atlas WHERE name = ?1", "table atlas");
   if (!statement.BindText(1, name).Step()) return std::nullopt;
-  return statement.Integer(0);
+  return StoredHead{statement.Integer(0), statement.Integer(1), statement.Integer(2)};
 }
 
 // Writes the row of the atlas; revision counts on.
 std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas& atlas, const AtlasSummary& summary,
-                        std::int64_t hash, std::optional<std::int64_t> stored, ChangeCounter& changes) {
+                        std::int64_t hash, const std::optional<StoredHead>& stored, ChangeCounter& changes) {
   Statement statement(
       database,
       "INSERT INTO atlas (row, name, vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, "
@@ -54,7 +60,10 @@ std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas
   const Counters& next = atlas.next_ids;
   const ArchiveEncoding& encoding = atlas.encoding;
   const std::string now = TimeOfDay();
-  statement.Bind(1, stored).BindText(2, name).BindText(3, atlas.vocabulary.name).BindText(4, atlas.vocabulary.checksum);
+  statement.Bind(1, stored ? std::optional(stored->row) : std::nullopt)
+      .BindText(2, name)
+      .BindText(3, atlas.vocabulary.name)
+      .BindText(4, atlas.vocabulary.checksum);
   int column = 5;
   for (const std::uint64_t value :
        {next.map, next.frame, next.keyframe, next.map_point, next.camera, next.initial_keyframe}) {
@@ -83,6 +92,7 @@ std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas
 
 // Cameras are few: all or nothing.
 void SaveCameras(SaveContext& context, const Atlas& atlas) {
+  context.past.Keep(Part::kCameras, context.atlas);
   Statement remove(context.database, "DELETE FROM camera WHERE atlas = ?1", "table camera");
   remove.Bind(1, context.atlas).Run();
   context.changes["camera"].deleted += static_cast<std::uint64_t>(sqlite3_changes(context.database.handle()));
@@ -126,6 +136,7 @@ void SaveRepeated(SaveContext& context, const char* list, std::int64_t map, cons
 }
 
 void SaveAllRepeated(SaveContext& context, const Atlas& atlas, const std::vector<std::int64_t>& map_rows) {
+  context.past.Keep(Part::kRepeated, context.atlas);
   Statement remove(context.database, "DELETE FROM repeated_entry WHERE atlas = ?1", "table repeated_entry");
   remove.Bind(1, context.atlas).Run();
   const auto deleted = static_cast<std::uint64_t>(sqlite3_changes(context.database.handle()));
@@ -153,6 +164,8 @@ void SaveOrigins(SaveContext& context, std::int64_t row, const Map& map) {
 
 // All or nothing: nearly always there is nothing.
 void SaveCarried(SaveContext& context, const Atlas& atlas) {
+  context.past.Keep(Part::kCarriedByAtlas, context.atlas);
+  context.past.Keep(Part::kCarriedByCameras, context.atlas);
   const auto replace = [&](CarriedKind kind, std::int64_t first, std::int64_t last, const auto& write) {
     DeleteCarried(context.database, kind, first, last);
     CarriedWriter writer(context.database, kind);
@@ -185,7 +198,8 @@ std::vector<StoredMap> ReadStoredMaps(Database& database, std::int64_t atlas) {
 
 void WriteMapRow(SaveContext& context, std::int64_t row, std::size_t position, const Map& map, std::int64_t hash) {
   Statement insert(context.database,
-                   "INSERT OR REPLACE INTO map VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)",
+                   "INSERT OR REPLACE INTO map VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
+                   "NULL, NULL, NULL)",
                    "table map");
   insert.Bind(1, row).Bind(2, context.atlas).Bind(3, static_cast<std::int64_t>(position)).Bind(4, ToColumn(map.id));
   insert.Bind(5, ToReference(map.initial_keyframe)).Bind(6, ToReference(map.first_keyframe));
@@ -225,23 +239,78 @@ void DeleteMap(Database& database, std::int64_t map, ChangeCounter& changes) {
   ++changes["map"].deleted;
 }
 
-// Matches the maps by id with those stored, deletes the rest and writes the rows that differ. Returns their rows.
-std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
-  std::vector<StoredMap> stored = ReadStoredMaps(context.database, context.atlas);
-  std::vector<const StoredMap*> match(atlas.maps.size(), nullptr);
-  for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
-    for (StoredMap& candidate : stored) {
-      if (candidate.used || candidate.id != ToColumn(atlas.maps[i].id)) continue;
-      candidate.used = true;
-      match[i] = &candidate;
-      break;
+void RemoveMap(SaveContext& context, std::int64_t map) {
+  const auto deleted = [&](const char* table) { return context.changes[table].deleted; };
+  const std::uint64_t keyframes = deleted("keyframe"), points = deleted("map_point"), seen = deleted("observation");
+  context.past.KeepMap(map);
+  DeleteMap(context.database, map, context.changes);
+  context.map.keyframes_removed += deleted("keyframe") - keyframes;
+  context.map.points_removed += deleted("map_point") - points;
+  context.map.observations_removed += deleted("observation") - seen;
+}
+
+// What tells that a keyframe is one that is stored, whatever the id of its map: its id and its time.
+struct KeyframeKey {
+  std::int64_t id;
+  double timestamp;
+  friend auto operator<=>(const KeyframeKey&, const KeyframeKey&) = default;
+};
+
+std::vector<KeyframeKey> StoredKeys(Database& database, std::int64_t map) {
+  Statement statement(database, "SELECT id, timestamp FROM keyframe WHERE row BETWEEN ?1 AND ?2", "table keyframe");
+  statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
+  std::vector<KeyframeKey> keys;
+  while (statement.Step())
+    if (!statement.IsNull(1)) keys.push_back({statement.Integer(0), statement.Real(1)});
+  std::ranges::sort(keys);
+  return keys;
+}
+
+std::size_t CountCommon(const Map& map, const std::vector<KeyframeKey>& keys) {
+  return static_cast<std::size_t>(std::ranges::count_if(map.keyframes, [&](const KeyFrame& keyframe) {
+    return keyframe.timestamp == keyframe.timestamp &&  // NaN is no time
+           std::ranges::binary_search(keys, KeyframeKey{ToColumn(keyframe.id), keyframe.timestamp});
+  }));
+}
+
+// For each map of the atlas the stored map that it is, or null: the one with which it has most keyframes in common,
+// because a map that was loaded and continued has another id; else the one of its id.
+std::vector<const StoredMap*> MatchMaps(Database& database, const Atlas& atlas, std::vector<StoredMap>& stored) {
+  struct Pair {
+    std::size_t common, map, stored;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t k = 0; k < stored.size(); ++k) {
+    const std::vector<KeyframeKey> keys = StoredKeys(database, stored[k].row);
+    for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
+      const std::size_t common = CountCommon(atlas.maps[i], keys);
+      if (common > 0 || stored[k].id == ToColumn(atlas.maps[i].id)) pairs.push_back({common, i, k});
     }
   }
-  // Rows are never used again while the store lives on in a reader, and must leave room for 2^32 places each.
-  std::int64_t next_row = context.database.Integer("SELECT max(row) FROM map") + 1;
-  for (const StoredMap& map : stored) {
-    if (!map.used) DeleteMap(context.database, map.row, context.changes);
+  std::ranges::stable_sort(pairs, [](const Pair& a, const Pair& b) { return a.common > b.common; });
+  std::vector<const StoredMap*> match(atlas.maps.size(), nullptr);
+  for (const Pair& pair : pairs) {
+    if (match[pair.map] != nullptr || stored[pair.stored].used) continue;
+    match[pair.map] = &stored[pair.stored];
+    stored[pair.stored].used = true;
   }
+  return match;
+}
+
+// Rows of maps are never used again, in what is kept of earlier revisions either, and must leave room for 2^32 places.
+std::int64_t NextRowOfMap(Database& database) {
+  return std::max(database.Integer("SELECT max(row) FROM map"),
+                  database.Integer("SELECT max(row) FROM past INDEXED BY past_maps WHERE part = 3")) +
+         1;
+}
+
+// Deletes stored maps that are in the atlas no more, and writes the rows of maps that differ. Returns the rows.
+std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
+  std::vector<StoredMap> stored = ReadStoredMaps(context.database, context.atlas);
+  const std::vector<const StoredMap*> match = MatchMaps(context.database, atlas, stored);
+  std::int64_t next_row = NextRowOfMap(context.database);
+  for (const StoredMap& map : stored)
+    if (!map.used) RemoveMap(context, map.row);
   std::vector<std::int64_t> rows;
   for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
     const std::int64_t row = match[i] != nullptr ? match[i]->row : next_row++;
@@ -253,6 +322,7 @@ std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, 
     TableChanges& changes = context.changes["map"];
     ++(same ? changes.unchanged : match[i] != nullptr ? changes.updated : changes.inserted);
     if (same) continue;
+    for (const Part part : {Part::kMap, Part::kOrigins, Part::kCarriedByMap}) context.past.Keep(part, row);
     WriteMapRow(context, row, i, atlas.maps[i], hashes.maps[i].header);
     SaveOrigins(context, row, atlas.maps[i]);
     DeleteCarried(context.database, CarriedKind::kMap, row, row);
@@ -261,11 +331,67 @@ std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, 
   return rows;
 }
 
-bool CamerasAndRepeatedEntriesMayDiffer(Database& database, const std::optional<std::int64_t>& stored,
-                                        std::int64_t hash) {
-  if (!stored) return true;
-  Statement statement(database, "SELECT hash FROM atlas WHERE row = ?1", "table atlas");
-  return !statement.Bind(1, *stored).Step() || statement.Integer(0) != hash;
+void CountUnchanged(const Atlas& atlas, ChangeCounter& changes) {
+  changes["map"].unchanged += atlas.maps.size();
+  changes["camera"].unchanged += atlas.cameras.size();
+  std::uint64_t links = 0, observations = 0, landmarks = 0;
+  for (const Map& map : atlas.maps) {
+    for (const char* table : {"keyframe", "keyframe_features"}) changes[table].unchanged += map.keyframes.size();
+    for (const KeyFrame& keyframe : map.keyframes)
+      links += keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
+               keyframe.merge_edges.size();
+    changes["map_point"].unchanged += map.points.size();
+    for (const MapPoint& point : map.points) observations += point.observations.size();
+    landmarks += map.landmarks.size();
+  }
+  changes["keyframe_link"].unchanged += links;
+  changes["observation"].unchanged += observations;
+  if (landmarks > 0) changes["landmark"].unchanged += landmarks;
+}
+
+// They are in no hash: what somebody deleted comes back with every save.
+void SaveWordsAlone(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
+  const std::vector<StoredMap> maps = ReadStoredMaps(context.database, context.atlas);
+  for (std::size_t i = 0; i < std::min(maps.size(), atlas.maps.size()); ++i) {
+    const std::vector<std::int64_t> rows = RowsInOrder(context.database, maps[i].row, "keyframe", "keyframe");
+    if (rows.size() == atlas.maps[i].keyframes.size())
+      SavePlaceWords(context, maps[i].row, atlas.maps[i], rows, hashes.maps[i].features);
+  }
+}
+
+// An atlas that is there as it is: only its row tells of the save.
+void SaveUnchanged(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
+  Statement update(context.database, "UPDATE atlas SET revision = revision + 1, saved_at = ?2 WHERE row = ?1",
+                   "table atlas");
+  const std::string now = TimeOfDay();
+  update.Bind(1, context.atlas).BindText(2, now).Run();
+  ++context.changes["atlas"].updated;
+  CountUnchanged(atlas, context.changes);
+  SaveWordsAlone(context, atlas, hashes);
+}
+
+void SaveContent(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
+  const std::vector<std::int64_t> rows = SaveMapRows(context, atlas, hashes);
+  SaveCameras(context, atlas);
+  SaveCarried(context, atlas);
+  SaveAllRepeated(context, atlas, rows);
+  for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
+    const std::vector<std::int64_t> keyframes = SaveKeyframes(context, rows[i], atlas.maps[i], hashes.maps[i]);
+    SavePlaceWords(context, rows[i], atlas.maps[i], keyframes, hashes.maps[i].features);
+    SavePoints(context, rows[i], atlas.maps[i], hashes.maps[i]);
+    SaveLandmarks(context, rows[i], atlas.maps[i], hashes.maps[i]);
+  }
+}
+
+// Whether an atlas has anything of a fork's file.
+bool Carries(const Atlas& atlas) {
+  return !atlas.layout.empty() || atlas.carried ||
+         std::ranges::any_of(atlas.cameras, [](const Camera& camera) { return bool{camera.carried}; }) ||
+         std::ranges::any_of(atlas.maps, [](const Map& map) {
+           return map.carried ||
+                  std::ranges::any_of(map.keyframes, [](const KeyFrame& keyframe) { return bool{keyframe.carried}; }) ||
+                  std::ranges::any_of(map.points, [](const MapPoint& point) { return bool{point.carried}; });
+         });
 }
 
 }  // namespace
@@ -299,44 +425,60 @@ std::vector<StoredRow> ReadStoredRows(Database& database, const std::string& tab
   return rows;
 }
 
+void SaveOrder(SaveContext& context, std::int64_t map, std::string_view list, const ListPlan& plan) {
+  std::vector<std::int64_t> rows;
+  rows.reserve(plan.entries.size());
+  for (const ListPlan::Entry& entry : plan.entries) rows.push_back(entry.row);
+  const std::string order = ListOrder::Encode(rows);
+  const Bytes bytes = std::as_bytes(std::span(order));
+  Statement select(context.database, detail::Concat("SELECT ", list, "_order FROM map WHERE row = ?1"), "table map");
+  select.Bind(1, map).Step();
+  if (std::ranges::equal(select.Blob(0), bytes)) return;
+  context.past.Keep(Part::kMap, map);
+  Statement update(context.database, detail::Concat("UPDATE map SET ", list, "_order = ?2 WHERE row = ?1"),
+                   "table map");
+  update.Bind(1, map);
+  order.empty() ? update.BindNull(2) : update.BindBlob(2, bytes);
+  update.Run();
+}
+
 void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
-               const SaveOptions& options, SaveReport& report) {
+               const SaveOptions& options, Rewrite rewrite, SaveReport& report) {
   ChangeCounter changes;
-  SaveContext context{.database = database, .options = options, .changes = changes};
-  for (const Map& map : atlas.maps) context.entities += 100 * map.keyframes.size() + map.points.size();
+  const std::optional<StoredHead> stored = AtlasNamed(database, name);
   report.hash = static_cast<std::uint64_t>(hashes.Combined());
-  const std::optional<std::int64_t> stored = AtlasNamed(database, name);
   report.replaced = stored.has_value();
-  const bool may_differ = CamerasAndRepeatedEntriesMayDiffer(database, stored, hashes.Combined());
+  report.revision = stored ? static_cast<std::uint64_t>(stored->revision) + 1 : 1;
+  PastWriter past(database, stored ? stored->row : 0, static_cast<std::int64_t>(report.revision), Carries(atlas));
+  SaveContext context{.database = database, .options = options, .changes = changes, .past = past, .map = report.map};
+  for (const Map& map : atlas.maps) context.entities += 100 * map.keyframes.size() + map.points.size();
+  if (stored) past.Keep(Part::kAtlas, stored->row);
+  if (stored && rewrite == Rewrite::kWhatDiffers && stored->hash == hashes.Combined()) {
+    context.atlas = stored->row;
+    SaveUnchanged(context, atlas, hashes);
+    report.tables = changes.Take();
+    return;
+  }
+  if (stored && rewrite == Rewrite::kAll)
+    for (const StoredMap& map : ReadStoredMaps(database, stored->row)) RemoveMap(context, map.row);
   const AtlasSummary summary = Summarize(atlas);
   context.atlas = SaveHeader(database, name, atlas, summary, hashes.Combined(), stored, changes);
-  const std::vector<std::int64_t> rows = SaveMapRows(context, atlas, hashes);
-  if (may_differ) {
-    SaveCameras(context, atlas);
-    SaveCarried(context, atlas);
-    SaveAllRepeated(context, atlas, rows);
-  } else {
-    changes["camera"].unchanged += atlas.cameras.size();
-  }
-  for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
-    const std::vector<std::int64_t> keyframes = SaveKeyframes(context, rows[i], atlas.maps[i], hashes.maps[i]);
-    SavePlaceWords(context, rows[i], atlas.maps[i], keyframes, hashes.maps[i].features);
-    SavePoints(context, rows[i], atlas.maps[i], hashes.maps[i]);
-    SaveLandmarks(context, rows[i], atlas.maps[i], hashes.maps[i]);
-  }
+  SaveContent(context, atlas, hashes);
   SaveSummary(database, context.atlas, summary);
   report.tables = changes.Take();
 }
 
 void DeleteAtlas(Database& database, std::int64_t atlas, ChangeCounter& changes) {
+  const std::vector<std::int64_t> pictures = PicturesOf(database, atlas);
   DeleteCarried(database, CarriedKind::kAtlas, atlas, atlas);
   DeleteCarried(database, CarriedKind::kCamera, CarriedCameraRow(atlas, 0), CarriedCameraRow(atlas, 0xffffffff));
   for (const StoredMap& map : ReadStoredMaps(database, atlas)) DeleteMap(database, map.row, changes);
-  for (const char* table : {"camera", "repeated_entry"}) {
+  for (const char* table : {"camera", "repeated_entry", "past", "tag", "revision"}) {
     Statement remove(database, std::string("DELETE FROM ") + table + " WHERE atlas = ?1",
                      std::string("table ") + table);
     remove.Bind(1, atlas).Run();
   }
+  DeleteUnused(database, pictures);
   Statement remove(database, "DELETE FROM atlas WHERE row = ?1", "table atlas");
   remove.Bind(1, atlas).Run();
   ++changes["atlas"].deleted;

@@ -5,6 +5,7 @@
 #include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/features_blob.h"
+#include "slamdb/formats/sqlite/detail/pictures.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/model/detail/record.h"
 
@@ -34,8 +35,13 @@ class KeyframeWriter {
  public:
   explicit KeyframeWriter(SaveContext& context)
       : atlas_(context.atlas),
+        past_(context.past),
         carried_(context.database, CarriedKind::kKeyframe),
         remove_(context.database, "DELETE FROM keyframe WHERE row = ?1", "table keyframe"),
+        is_at_(context.database,
+               "SELECT 1 FROM keyframe WHERE row = ?1 AND qw IS ?2 AND qx IS ?3 AND qy IS ?4 AND qz IS ?5 AND tx IS ?6 "
+               "AND ty IS ?7 AND tz IS ?8",
+               "table keyframe"),
         insert_(
             context.database,
             "INSERT OR ROLLBACK INTO keyframe VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
@@ -44,8 +50,20 @@ class KeyframeWriter {
             "?37, ?38, ?39, ?40, ?41, ?42)",
             "table keyframe") {}
 
+  // Whether the pose that is stored is another one.
+  bool Moves(std::int64_t row, const KeyFrame& keyframe) {
+    const detail::KeyframeReals reals = detail::RealsOf(keyframe);  // the pose is in front
+    is_at_.Bind(1, row);
+    for (int i = 0; i < 7; ++i) is_at_.BindReal(2 + i, reals[static_cast<std::size_t>(i)]);
+    const bool is_there = is_at_.Step();
+    is_at_.Reset();
+    return !is_there;
+  }
+
   void Write(std::int64_t map, const ListPlan::Entry& entry, const KeyFrame& keyframe, std::int64_t hash,
              std::int64_t links_hash) {
+    past_.Keep(Part::kKeyframe, entry.row);
+    past_.Keep(Part::kCarriedByKeyframe, entry.row);
     if (entry.stored != nullptr) {
       remove_.Bind(1, entry.row).Run();
       carried_.Remove(entry.row);
@@ -73,8 +91,9 @@ class KeyframeWriter {
 
  private:
   std::int64_t atlas_;
+  PastWriter& past_;
   CarriedWriter carried_;
-  Statement remove_, insert_;
+  Statement remove_, is_at_, insert_;
   ByteWriter details_, exact_;
 };
 
@@ -84,9 +103,11 @@ class LinkWriter {
   explicit LinkWriter(SaveContext& context)
       : remove_(context.database, "DELETE FROM keyframe_link WHERE keyframe = ?1", "table keyframe_link"),
         insert_(context.database, "keyframe_link", 6),
+        past_(context.past),
         database_(context.database) {}
 
   std::uint64_t Remove(std::int64_t row) {
+    past_.Keep(Part::kLinks, row);
     remove_.Bind(1, row).Run();
     return static_cast<std::uint64_t>(sqlite3_changes(database_.handle()));
   }
@@ -111,6 +132,7 @@ class LinkWriter {
  private:
   Statement remove_;
   BatchInsert insert_;
+  PastWriter& past_;
   Database& database_;
 };
 
@@ -156,16 +178,31 @@ class GridSources {
 // Features are packed on all threads, and inserted by this one.
 void WriteFeatures(SaveContext& context, const ListPlan& plan, const Map& map, const AtlasHashes::OfMap& hashes,
                    const std::vector<std::size_t>& changed) {
-  Statement insert(context.database, "INSERT OR REPLACE INTO keyframe_features VALUES (?1, ?2, ?3)",
+  PictureWriter pictures(context.database);
+  Statement insert(context.database,
+                   "INSERT OR REPLACE INTO keyframe_features (keyframe, hash, points, picture) VALUES (?1, ?2, ?3, ?4)",
                    "table keyframe_features");
+  constexpr std::size_t kTail = 2 * sizeof(std::int64_t);  // behind picture and points: the picture's size and hash
   const auto pack = [&](std::size_t i, std::string& bytes) {
-    ByteWriter blob(std::move(bytes));
-    EncodeFeatures(map.keyframes[changed[i]], blob);
-    bytes = blob.Take();
+    ByteWriter out(std::move(bytes));
+    EncodePicture(map.keyframes[changed[i]], out);
+    const auto size = static_cast<std::int64_t>(out.bytes().size());
+    const std::int64_t hash = HashOfPicture(out.bytes());
+    EncodePoints(map.keyframes[changed[i]], out);
+    out.Put(size);
+    out.Put(hash);
+    bytes = out.Take();
   };
   const auto write = [&](std::size_t i, const std::string& bytes) {
+    const Bytes packed = std::as_bytes(std::span(bytes));
+    ByteReader tail(packed.last(kTail));
+    const auto size = static_cast<std::size_t>(tail.Get<std::int64_t>());
+    const auto hash = tail.Get<std::int64_t>();
     const std::size_t k = changed[i];
-    insert.Bind(1, plan.entries[k].row).Bind(2, hashes.features[k]).BindBlob(3, std::as_bytes(std::span(bytes))).Run();
+    const std::int64_t row = plan.entries[k].row;
+    if (plan.entries[k].stored != nullptr) context.past.Keep(Part::kFeatures, row);
+    insert.Bind(1, row).Bind(2, hashes.features[k]).BindBlob(3, packed.subspan(size, packed.size() - size - kTail));
+    insert.Bind(4, pictures.RowOf(packed.first(size), hash)).Run();
     context.Report(100);
   };
   detail::ProduceInOrder<std::string>(changed.size(), context.options.threads, pack, write);
@@ -177,11 +214,13 @@ void RemoveKeyframes(SaveContext& context, LinkWriter& links, const std::vector<
   Statement keyframe(context.database, "DELETE FROM keyframe WHERE row = ?1", "table keyframe");
   CarriedWriter carried(context.database, CarriedKind::kKeyframe);
   for (const std::int64_t row : rows) {
+    for (const Part part : {Part::kKeyframe, Part::kFeatures, Part::kCarriedByKeyframe}) context.past.Keep(part, row);
     context.changes["keyframe_link"].deleted += links.Remove(row);
     features.Bind(1, row).Run();
     keyframe.Bind(1, row).Run();
     carried.Remove(row);
   }
+  context.map.keyframes_removed += rows.size();
   context.changes["keyframe"].deleted += rows.size();
   context.changes["keyframe_features"].deleted += rows.size();
 }
@@ -210,6 +249,8 @@ std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, 
     const bool same_features = old != nullptr &&
                                stored_features[static_cast<std::size_t>(old - stored.data())] == hashes.features[i] &&
                                (same_row || !grid_sources.Differ(entry.row, map.keyframes[i]));
+    if (old == nullptr) ++context.map.keyframes_added;
+    if (old != nullptr && !same_row && keyframes.Moves(entry.row, map.keyframes[i])) ++context.map.keyframes_moved;
     if (!same_row || !same_links) keyframes.Write(row, entry, map.keyframes[i], hashes.keyframes[i], hashes.links[i]);
     if (!same_features) changed_features.push_back(i);
     const auto count = [&](const char* table, bool same) {
@@ -234,6 +275,7 @@ std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, 
   links.Flush();
   context.Report(100 * (plan.entries.size() - changed_features.size()));
   WriteFeatures(context, plan, map, hashes, changed_features);
+  SaveOrder(context, row, "keyframe", plan);
   std::vector<std::int64_t> rows;
   for (const ListPlan::Entry& entry : plan.entries) rows.push_back(entry.row);
   return rows;

@@ -16,13 +16,21 @@ constexpr std::size_t kReportEvery = 4096;
 // The rows of map_point. Flush() after the last.
 class PointWriter {
  public:
-  explicit PointWriter(Database& database)
-      : remove_(database, "DELETE FROM map_point WHERE row = ?1", "table map_point"),
-        insert_(database, "map_point", 26),
-        carried_(database, CarriedKind::kPoint) {}
+  explicit PointWriter(SaveContext& context) : PointWriter(context.database, context.past) {}
+
+  // Whether the position that is stored is another one.
+  bool Moves(std::int64_t row, const MapPoint& point) {
+    is_at_.Bind(1, row);
+    for (int axis = 0; axis < 3; ++axis) is_at_.BindReal(2 + axis, point.position[axis]);
+    const bool is_there = is_at_.Step();
+    is_at_.Reset();
+    return !is_there;
+  }
 
   void Write(std::int64_t map, const ListPlan::Entry& entry, const MapPoint& point, std::int64_t hash,
              std::int64_t observations_hash) {
+    past_.Keep(Part::kPoint, entry.row);
+    past_.Keep(Part::kCarriedByPoint, entry.row);
     if (entry.stored != nullptr) {
       remove_.Bind(1, entry.row).Run();
       carried_.Remove(entry.row);
@@ -62,6 +70,14 @@ class PointWriter {
  private:
   using Reals = std::array<float, 8>;
 
+  PointWriter(Database& database, PastWriter& past)
+      : past_(past),
+        remove_(database, "DELETE FROM map_point WHERE row = ?1", "table map_point"),
+        is_at_(database, "SELECT 1 FROM map_point WHERE row = ?1 AND x IS ?2 AND y IS ?3 AND z IS ?4",
+               "table map_point"),
+        insert_(database, "map_point", 26),
+        carried_(database, CarriedKind::kPoint) {}
+
   // What REAL columns do not keep.
   Value ExactOf(const Reals& reals) {
     if (std::ranges::all_of(reals, [](float value) { return FitsReal(value); })) return Value();
@@ -72,7 +88,8 @@ class PointWriter {
     return value == not_recorded ? Value() : Value(std::int64_t{value});
   }
 
-  Statement remove_;
+  PastWriter& past_;
+  Statement remove_, is_at_;
   BatchInsert insert_;
   CarriedWriter carried_;
   std::deque<Reals> exact_;
@@ -81,12 +98,14 @@ class PointWriter {
 // The rows of observation. Flush() after the last.
 class ObservationWriter {
  public:
-  explicit ObservationWriter(Database& database)
-      : database_(database),
-        remove_(database, "DELETE FROM observation WHERE point = ?1", "table observation"),
-        insert_(database, "observation", 6) {}
+  explicit ObservationWriter(SaveContext& context)
+      : database_(context.database),
+        past_(context.past),
+        remove_(context.database, "DELETE FROM observation WHERE point = ?1", "table observation"),
+        insert_(context.database, "observation", 6) {}
 
   std::uint64_t Remove(std::int64_t row) {
+    past_.Keep(Part::kObservations, row);
     remove_.Bind(1, row).Run();
     return static_cast<std::uint64_t>(sqlite3_changes(database_.handle()));
   }
@@ -103,6 +122,7 @@ class ObservationWriter {
 
  private:
   Database& database_;
+  PastWriter& past_;
   Statement remove_;
   BatchInsert insert_;
 };
@@ -129,18 +149,20 @@ void RemovePoints(SaveContext& context, ObservationWriter& observations, const s
   CarriedWriter carried(context.database, CarriedKind::kPoint);
   TableChanges& deleted_observations = context.changes["observation"];
   for (const std::int64_t row : rows) {
+    for (const Part part : {Part::kPoint, Part::kCarriedByPoint}) context.past.Keep(part, row);
     deleted_observations.deleted += observations.Remove(row);
     box.Bind(1, row).Run();
     point.Bind(1, row).Run();
     carried.Remove(row);
   }
+  context.map.points_removed += rows.size();
   context.changes["map_point"].deleted += rows.size();
 }
 
 // Writes the rows of map_point that differ; returns the indices of those points.
 std::vector<std::size_t> WritePoints(SaveContext& context, std::int64_t row, const ListPlan& plan, const Map& map,
                                      const AtlasHashes::OfMap& hashes) {
-  PointWriter points(context.database);
+  PointWriter points(context);
   TableChanges& changes = context.changes["map_point"];
   std::vector<std::size_t> changed;
   for (std::size_t i = 0; i < plan.entries.size(); ++i) {
@@ -149,6 +171,8 @@ std::vector<std::size_t> WritePoints(SaveContext& context, std::int64_t row, con
     const bool same_row = old != nullptr && old->hash == hashes.points[i] && old->unique == entry.unique;
     const bool same = same_row && old->details == hashes.observations[i];
     ++(same ? changes.unchanged : old != nullptr ? changes.updated : changes.inserted);
+    if (old == nullptr) ++context.map.points_added;
+    if (old != nullptr && !same_row && points.Moves(entry.row, map.points[i])) ++context.map.points_moved;
     if (!same) points.Write(row, entry, map.points[i], hashes.points[i], hashes.observations[i]);
     if (!same_row) changed.push_back(i);
     if (i % kReportEvery == kReportEvery - 1) context.Report(kReportEvery / 2);
@@ -166,11 +190,12 @@ void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const At
   ids.reserve(map.points.size());
   for (const MapPoint& point : map.points) ids.push_back(ToColumn(point.id));
   const ListPlan plan = PlanList(ids, stored, FirstRowOfMap(row));
-  ObservationWriter observations(context.database);
+  TableChanges& changes = context.changes["observation"];
+  const TableChanges before = changes;
+  ObservationWriter observations(context);
   RemovePoints(context, observations, plan.removed);
   WriteBoxes(context, plan, map, WritePoints(context, row, plan, map, hashes));
 
-  TableChanges& changes = context.changes["observation"];
   for (std::size_t i = 0; i < plan.entries.size(); ++i) {
     const ListPlan::Entry& entry = plan.entries[i];
     if (entry.stored != nullptr && entry.stored->details == hashes.observations[i]) {
@@ -183,6 +208,9 @@ void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const At
     if (i % kReportEvery == kReportEvery - 1) context.Report(kReportEvery / 2);
   }
   observations.Flush();
+  context.map.observations_added += changes.inserted - before.inserted;
+  context.map.observations_removed += changes.deleted - before.deleted;
+  SaveOrder(context, row, "point", plan);
   context.Report(map.points.size() % kReportEvery);
 }
 

@@ -36,6 +36,29 @@ std::vector<PartSize> TableSizes(Database& database) {
   return tables;
 }
 
+// Of the columns from `column` on: who, revision, whether it can be read, tags, what it is from, changes.
+void ReadRevision(const Statement& row, int column, HistoryEntry& entry) {
+  entry.who = row.Text(column++);
+  entry.revision = Unsigned(row, column++);
+  entry.readable = row.Integer(column++) != 0;
+  const std::string tags = row.Text(column++);
+  for (std::size_t first = 0; first < tags.size();) {
+    const std::size_t end = std::min(tags.find('\n', first), tags.size());
+    entry.tags.push_back(tags.substr(first, end - first));
+    first = end + 1;
+  }
+  std::ranges::sort(entry.tags);
+  if (!row.IsNull(column))
+    entry.from = RevisionName{row.Text(column), Unsigned(row, column + 1), Unsigned(row, column + 2)};
+  column += 3;
+  if (row.IsNull(column)) return;
+  MapChanges& changes = entry.changes.emplace();
+  for (std::uint64_t* count :
+       {&changes.keyframes_added, &changes.keyframes_removed, &changes.keyframes_moved, &changes.points_added,
+        &changes.points_removed, &changes.points_moved, &changes.observations_added, &changes.observations_removed})
+    *count = Unsigned(row, column++);
+}
+
 }  // namespace
 
 std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
@@ -48,7 +71,8 @@ std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
   };
   Statement counts(database, "SELECT points, observations FROM atlas WHERE row = ?1", "table atlas");
   counts.Bind(1, atlas).Step();
-  return {{"features", sum("length(columns)", "keyframe_features", "keyframe_features.keyframe")},
+  return {{"features", sum("length(points) + (SELECT length(columns) FROM picture WHERE picture.row = picture)",
+                           "keyframe_features", "keyframe_features.keyframe")},
           {"keyframes", sum("length(details)", "keyframe", "keyframe.row")},
           {"points", Unsigned(counts, 0) * kPointBytes},
           {"observations", Unsigned(counts, 1) * kObservationBytes},
@@ -58,8 +82,13 @@ std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
 std::vector<HistoryEntry> ReadHistory(Database& database, const std::string& name) {
   Statement statement(
       database,
-      "SELECT at, tool, action, coalesce(atlas, ''), provenance, maps, keyframes, points, observations, "
-      "inserted, updated, deleted, unchanged, hash FROM history WHERE ?1 = '' OR atlas = ?1 ORDER BY row",
+      "SELECT at, tool, action, coalesce(history.atlas, ''), provenance, maps, keyframes, points, observations, "
+      "inserted, updated, deleted, unchanged, history.hash, coalesce(who, ''), coalesce(history.revision, 0), "
+      "revision.number IS NOT NULL, (SELECT group_concat(tag.name, '\n') FROM tag WHERE tag.atlas = revision.atlas AND "
+      "tag.number = revision.number), from_atlas, from_number, from_hash, keyframes_added, keyframes_removed, "
+      "keyframes_moved, points_added, points_removed, points_moved, observations_added, observations_removed "
+      "FROM history LEFT JOIN revision ON revision.history = history.row WHERE ?1 = '' OR history.atlas = ?1 "
+      "ORDER BY history.row",
       "table history");
   statement.BindText(1, name);
   std::vector<HistoryEntry> entries;
@@ -73,6 +102,7 @@ std::vector<HistoryEntry> ReadHistory(Database& database, const std::string& nam
                                  &entry.updated, &entry.deleted, &entry.unchanged, &entry.hash}) {
       *value = Unsigned(statement, column++);
     }
+    ReadRevision(statement, column, entry);
   }
   return entries;
 }

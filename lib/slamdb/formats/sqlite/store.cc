@@ -15,7 +15,9 @@
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/new_store.h"
+#include "slamdb/formats/sqlite/detail/past.h"
 #include "slamdb/formats/sqlite/detail/places.h"
+#include "slamdb/formats/sqlite/detail/revisions.h"
 #include "slamdb/formats/sqlite/detail/salvage.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/formats/sqlite/detail/statistics.h"
@@ -48,18 +50,37 @@ void CheckNotStandardStream(const std::string& path) {
     throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be a FIFO, a device or a socket");
 }
 
-void Record(Database& database, const char* action, const std::string& name, const std::string& provenance,
-            const TableChanges& rows) {
+// Returns its row.
+std::int64_t Record(Database& database, const char* action, const std::string& name, const std::string& provenance,
+                    const TableChanges& rows) {
   Statement insert(
       database,
       "INSERT INTO history (at, tool, action, atlas, provenance, maps, keyframes, points, observations, hash, "
-      "inserted, updated, deleted, unchanged) SELECT ?1, ?2, ?3, ?4, ?5, maps, keyframes, points, "
-      "observations, hash, ?6, ?7, ?8, ?9 FROM atlas WHERE name = ?4",
+      "inserted, updated, deleted, unchanged, who) SELECT ?1, ?2, ?3, ?4, ?5, maps, keyframes, points, "
+      "observations, hash, ?6, ?7, ?8, ?9, ?10 FROM atlas WHERE name = ?4",
       "table history");
-  const std::string now = TimeOfDay(), tool = ToolName();
+  const std::string now = TimeOfDay(), tool = ToolName(), who = Who();
   insert.BindText(1, now).BindText(2, tool).BindText(3, action).BindText(4, name).BindText(5, provenance);
   insert.Bind(6, ToColumn(rows.inserted)).Bind(7, ToColumn(rows.updated)).Bind(8, ToColumn(rows.deleted));
-  insert.Bind(9, ToColumn(rows.unchanged)).Run();
+  insert.Bind(9, ToColumn(rows.unchanged)).BindText(10, who).Run();
+  return sqlite3_last_insert_rowid(database.handle());
+}
+
+void RecordChanges(Database& database, std::int64_t history, const SaveReport& report) {
+  Statement update(
+      database,
+      "UPDATE history SET revision = ?2, keyframes_added = ?3, keyframes_removed = ?4, keyframes_moved = ?5, "
+      "points_added = ?6, points_removed = ?7, points_moved = ?8, observations_added = ?9, "
+      "observations_removed = ?10 WHERE row = ?1",
+      "table history");
+  const MapChanges& map = report.map;
+  update.Bind(1, history).Bind(2, ToColumn(report.revision));
+  int column = 3;
+  for (const std::uint64_t count :
+       {map.keyframes_added, map.keyframes_removed, map.keyframes_moved, map.points_added, map.points_removed,
+        map.points_moved, map.observations_added, map.observations_removed})
+    update.Bind(column++, ToColumn(count));
+  update.Run();
 }
 
 }  // namespace
@@ -96,12 +117,6 @@ struct Store::State {
   bool Holds(const std::string& name, std::int64_t hash) {
     Statement statement(database, "SELECT 1 FROM atlas WHERE name = ?1 AND hash = ?2", "table atlas");
     return statement.BindText(1, name).Bind(2, hash).Step();
-  }
-  // The row of an atlas, or an error that names those that there are.
-  std::int64_t RowOf(const std::string& name) {
-    Statement statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas");
-    if (statement.BindText(1, name).Step()) return statement.Integer(0);
-    throw Error(ErrorKind::kNotFound, database.path(), "", "no atlas named '" + name + "'" + Known());
   }
   std::vector<std::string> Names() {
     std::vector<std::string> names;
@@ -145,7 +160,7 @@ struct Store::State {
       Transaction transaction(database, Transaction::Kind::kBegin);
       ReadOptions how;
       how.threads = threads;
-      LoadAtlas(database, RowOf(name), how);
+      LoadAtlas(database, sqlite::Find(database, name).atlas, how);
       return true;
     } catch (const SnapshotChanged&) {
       return true;
@@ -178,6 +193,37 @@ Error NamingEdits(Database& database, std::int64_t atlas, const Error& found) {
                                                     : "; and others are gone or cannot be read: " + salvage.damage[0];
   return Error(ErrorKind::kDamaged, database.path(), place,
                "differs from its hash: edited outside slamdb, or damaged: " + names + others);
+}
+
+Error NamingRevision(const Named& named, const Error& error) {
+  return Error(error.kind(), error.path(),
+               detail::Concat("revision ", named.number, " of '", named.name, "'", error.place().empty() ? "" : ", ",
+                              error.place()),
+               error.problem());
+}
+
+Atlas LoadRevision(Database& database, const Named& named, const ReadOptions& options) {
+  if (named.is_newest()) return LoadAtlas(database, named.atlas, options);
+  PastRows past = ReadPast(database, named.atlas, named.number);
+  return LoadPast(database, named.atlas, past, options);
+}
+
+// A name for what is saved, that nobody could mean a revision by.
+void CheckIsNoRevision(Database& database, const std::string& name) {
+  if (Statement(database, "SELECT 1 FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step()) return;
+  bool is_revision = LooksLikeRevision(name);
+  if (!is_revision && name.find('@') != std::string::npos) {
+    try {
+      sqlite::Find(database, name);
+      is_revision = true;
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kNotFound) throw;
+    }
+  }
+  if (is_revision)
+    throw Error(ErrorKind::kUsage, database.path(), "",
+                detail::Concat("'", name, "' stands for a revision of '", name.substr(0, name.rfind('@')),
+                               "', which is not saved over: save it without the @, which makes the next one"));
 }
 
 Store::Store(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -287,6 +333,7 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
 
 SaveReport Store::State::Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options) {
   CheckName(database, name);
+  CheckIsNoRevision(database, name);
   detail::EnterOutput(database.path(), name);
   const AtlasHashes hashes = detail::HashesOf(atlas, save_options.threads);
   // Before the lock, for which others wait, and with every core.
@@ -309,15 +356,11 @@ SaveReport Store::State::SaveUnderLock(const std::string& name, const Atlas& atl
   if (!save_options.overwrite && Has(name))
     throw Error(ErrorKind::kAlreadyExists, database.path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
-  const bool edited = was_edited && Has(name);
-  if (edited) {
-    ChangeCounter uncounted;
-    DeleteAtlas(database, RowOf(name), uncounted);
-  }
   SaveReport report;
-  SaveAtlas(database, name, atlas, hashes, save_options, report);
-  report.replaced = report.replaced || edited;
-  Record(database, "save", name, save_options.provenance, report.Total());
+  SaveAtlas(database, name, atlas, hashes, save_options, was_edited ? Rewrite::kAll : Rewrite::kWhatDiffers, report);
+  const std::int64_t history = Record(database, "save", name, save_options.provenance, report.Total());
+  RecordChanges(database, history, report);
+  AddRevision(database, sqlite::Find(database, name).atlas, history, save_options.from);
   if (save_options.before_commit) save_options.before_commit();
   transaction.Commit();
   return report;
@@ -327,18 +370,19 @@ Atlas Store::Load(const std::string& name, const ReadOptions& options) {
   detail::EnterInput(path(), name);
   Database& database = state_->database;
   for (int attempt = 1;; ++attempt) {
-    std::int64_t row = 0;
+    Named named;
     try {
       Transaction transaction(database, Transaction::Kind::kBegin);
-      row = state_->RowOf(name);
+      named = sqlite::Find(database, name);
       ReadOptions how = options;
       if (attempt == kLoadAttempts) how.threads = 1;  // one connection sees one moment, whoever saves
-      Atlas atlas = LoadAtlas(database, row, how);
-      if (options.part_sizes != nullptr) *options.part_sizes = PartSizesOf(database, row);
+      Atlas atlas = LoadRevision(database, named, how);
+      if (options.part_sizes != nullptr) *options.part_sizes = PartSizesOf(database, named.atlas);
       return atlas;
     } catch (const SnapshotChanged&) {
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kDamaged && row != 0) throw NamingEdits(database, row, error);
+      if (error.kind() == ErrorKind::kDamaged && named.atlas != 0)
+        throw named.is_newest() ? NamingEdits(database, named.atlas, error) : NamingRevision(named, error);
       if (!database.is_image() || error.kind() != ErrorKind::kLocked) throw;
     }
     if (attempt == kLoadAttempts)
@@ -347,11 +391,74 @@ Atlas Store::Load(const std::string& name, const ReadOptions& options) {
   }
 }
 
+RevisionName Store::FindRevision(const std::string& name) {
+  return NameOf(state_->database, sqlite::Find(state_->database, name));
+}
+
+std::optional<RevisionName> Store::CommonBase(const std::string& first, const std::string& second) {
+  Database& database = state_->database;
+  const Transaction transaction(database, Transaction::Kind::kBegin);
+  return FindBase(database, sqlite::Find(database, first), sqlite::Find(database, second));
+}
+
+SaveReport Store::Restore(const std::string& name, const SaveOptions& options) {
+  state_->CheckWritable();
+  const Named named = sqlite::Find(state_->database, name);
+  if (named.is_newest())
+    throw Error(ErrorKind::kUsage, path(), "",
+                detail::Concat("revision ", named.number, " is the newest of '", named.name,
+                               "': say which other one, as ", path(), "#", named.name, "@-1"));
+  SaveOptions how = options;
+  if (how.provenance.empty()) how.provenance = detail::Concat("restore ", named.name, "@", named.number);
+  return Save(named.name, Load(detail::Concat(named.name, "@", named.number), {.threads = options.threads}), how);
+}
+
+SaveReport Store::Branch(const std::string& name, const std::string& branch, const SaveOptions& options) {
+  state_->CheckWritable();
+  SaveOptions how = options;
+  how.from = FindRevision(name);
+  how.overwrite = false;
+  if (how.provenance.empty()) how.provenance = "branch " + how.from->ToString();
+  return Save(branch, Load(how.from->ToString(), {.threads = options.threads}), how);
+}
+
+void Store::Tag(const std::string& name, const std::string& tag) {
+  state_->CheckWritable();
+  if (!IsNameOfTag(tag))
+    throw Error(
+        ErrorKind::kUsage, path(), "",
+        detail::Concat("'", tag, "' is no name for a revision: expected one such as 'release', without #, /, @, {, }, ",
+                       "and not a number"));
+  WriteTransaction transaction(state_->database);
+  SetTag(state_->database, sqlite::Find(state_->database, name), tag);
+  transaction.Commit();
+}
+
+void Store::Untag(const std::string& name, const std::string& tag) {
+  state_->CheckWritable();
+  WriteTransaction transaction(state_->database);
+  RemoveTag(state_->database, sqlite::Find(state_->database, name), tag);
+  transaction.Commit();
+}
+
+GiveUpReport Store::GiveUp(const GiveUpOptions& options, const std::string& name) {
+  state_->CheckWritable();
+  WriteTransaction transaction(state_->database);
+  GiveUpReport report = sqlite::GiveUp(state_->database, name, options);
+  if (!options.dry_run) transaction.Commit();
+  return report;
+}
+
 void Store::Remove(const std::string& name) {
   state_->CheckWritable();
   Database& database = state_->database;
   WriteTransaction transaction(database);
-  const std::int64_t row = state_->RowOf(name);
+  const Named named = sqlite::Find(database, name);
+  if (named.name != name)
+    throw Error(ErrorKind::kUsage, path(), "",
+                detail::Concat("'", name, "' is one revision, and an atlas is removed with all of them, as ", path(),
+                               "#", named.name, "; 'slamdb gc' gives up earlier revisions"));
+  const std::int64_t row = named.atlas;
   ChangeCounter changes;
   // The history needs the counts of what goes, and how many rows went: it is entered before and completed after.
   Record(database, "remove", name, "", {});

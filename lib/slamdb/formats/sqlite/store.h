@@ -13,6 +13,7 @@
 #include "slamdb/export.h"
 #include "slamdb/formats/format.h"
 #include "slamdb/formats/sqlite/places.h"
+#include "slamdb/formats/sqlite/revisions.h"
 #include "slamdb/model/map_query.h"
 #include "slamdb/model/summary.h"
 
@@ -36,9 +37,11 @@ struct TableChanges {
 
 struct SaveReport {
   std::vector<TableChanges> tables;
-  std::uint64_t hash = 0;  // HashOf the atlas
-  bool replaced = false;   // an atlas of that name was there
-  bool unchanged = false;  // by `keep_equal`: it was there as it is, and nothing was written
+  MapChanges map;              // against the revision before; of a first one everything is added
+  std::uint64_t revision = 0;  // that the save made
+  std::uint64_t hash = 0;      // HashOf the atlas
+  bool replaced = false;       // an atlas of that name was there
+  bool unchanged = false;      // by `keep_equal`: it was there as it is, and nothing was written
 
   SLAMDB_EXPORT TableChanges Total() const;
 };
@@ -48,7 +51,9 @@ struct SaveOptions {
   bool overwrite = true;    // replace the atlas of that name; false: Error (kAlreadyExists), whoever was faster
   bool keep_equal = false;  // an atlas of that name and hash stays as it is, also without `overwrite`
   bool verify = false;  // of an atlas that is replaced: rows that somebody edited are written anew too, at the cost of
-                        // a load; false: rows whose recorded hash is that of the new ones stay, whatever they hold
+                        // a load; false: rows whose recorded hash is that of the new ones stay, whatever they hold, and
+                        // where the hash of the atlas is that of the new one, none is looked at
+  std::optional<RevisionName> from;     // what it was made of besides the revision before it, as by a merge
   std::function<void()> before_commit;  // called when all rows are written, right before they are seen; may be empty
   int threads = 0;                      // 0: every core
   Progress progress;
@@ -64,6 +69,12 @@ struct HistoryEntry {
   std::uint64_t maps = 0, keyframes = 0, points = 0, observations = 0;
   std::uint64_t inserted = 0, updated = 0, deleted = 0, unchanged = 0;  // rows
   std::uint64_t hash = 0;
+  std::string who;                    // `user@host`; empty: not known, as before version 7 of stores
+  std::uint64_t revision = 0;         // that it made; 0: none, or not known
+  bool readable = false;              // that revision can still be read
+  std::optional<MapChanges> changes;  // that it made
+  std::optional<RevisionName> from;   // what it was made of besides
+  std::vector<std::string> tags;      // of the revision, ascending
 };
 
 struct StoreStats {
@@ -137,22 +148,53 @@ class SLAMDB_EXPORT Store {
   // Throws Error: kNotFound when there is none, kUsage naming the atlases when there are several.
   std::string OnlyName();
 
-  // Saves under `name`, replacing the atlas of that name if there is one by writing only the rows that differ.
+  // Saves under `name`, as the next revision of the atlas of that name if there is one, by writing only the rows that
+  // differ. What they were stays, for the revisions before.
   //
   // A name is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters. A store that was made for a save that
   // fails is removed again.
   //
-  // Throws Error: kUsage when the store was opened to read, or for another name; kAlreadyExists without `overwrite`;
+  // Throws Error: kUsage when the store was opened to read, for another name, or for one that stands for a revision;
+  // kAlreadyExists without `overwrite`;
   // kLocked when another program writes longer than `lock_timeout`, or removed the file.
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options = {});
 
-  // Loads all or the selected part; the rest is not read.
+  // Loads all or the selected part of NAME, or of a revision (NAME@3, revisions.h); the rest is not read.
   // Every row is compared with its hash, a whole atlas also with the atlas' hash.
   //
-  // Throws Error: kNotFound naming the atlases that there are; kDamaged naming the first row that differs.
+  // Cost: an earlier revision takes what the newest takes, and about as much again for what was changed since.
+  //
+  // Throws Error: kNotFound naming the atlases or revisions that there are; kDamaged naming the first row that differs.
   Atlas Load(const std::string& name, const ReadOptions& options = {});
 
-  void Remove(const std::string& name);  // throws Error (kNotFound) when there is none
+  // The revision that NAME or NAME@WHICH stands for.
+  //
+  // Throws Error: kNotFound naming what there is.
+  RevisionName FindRevision(const std::string& name);
+  // The newest revision that two come from; nothing when they have none in common.
+  //
+  // Throws Error as FindRevision does.
+  std::optional<RevisionName> CommonBase(const std::string& first, const std::string& second);
+  // Makes a revision the newest again, by saving it anew; those between stay.
+  //
+  // Throws Error as Load and Save do; kUsage when it is the newest.
+  SaveReport Restore(const std::string& name, const SaveOptions& options = {});
+  // A new atlas `branch` that begins as that revision; what they share of pictures is stored once.
+  //
+  // Throws Error as Load and Save do; kAlreadyExists when there is an atlas of that name.
+  SaveReport Branch(const std::string& name, const std::string& branch, const SaveOptions& options = {});
+  // Gives a revision a name, or takes one from its atlas.
+  //
+  // Throws Error: kUsage when it is no name (IsNameOfTag), kAlreadyExists when another revision of the atlas has it;
+  // kNotFound when none has it.
+  void Tag(const std::string& name, const std::string& tag);
+  void Untag(const std::string& name, const std::string& tag);
+  // Gives up earlier revisions of one atlas, or of all where `name` is empty, in one transaction.
+  //
+  // Throws Error: kNotFound when there is no such atlas.
+  GiveUpReport GiveUp(const GiveUpOptions& options, const std::string& name = {});
+
+  void Remove(const std::string& name);  // with all its revisions; throws Error (kNotFound) when there is none
   StoreStats Stats();
   void Vacuum();  // gives free pages back to the disk
   // Copies the store as it is now, also while others write (SQLite's online backup).

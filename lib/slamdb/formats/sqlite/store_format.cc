@@ -63,6 +63,7 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
                                        {.provenance = how.provenance,
                                         .overwrite = options.overwrite,
                                         .verify = true,
+                                        .from = how.from,
                                         .before_commit = options.before_commit,
                                         .threads = options.threads,
                                         .progress = options.progress});

@@ -7,6 +7,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/date_times.h"
@@ -83,6 +84,16 @@ void CheckStillThere(Database& database) {
   if (StillThere(database)) return;
   throw Error(ErrorKind::kLocked, database.path(), "",
               "was removed, moved or replaced by another program since it was opened: nothing was saved; try again");
+}
+
+// By the environment: asking the system would need its libraries, which a static program lacks.
+std::string Who() {
+  const char* user = std::getenv("LOGNAME");
+  if (user == nullptr || *user == '\0') user = std::getenv("USER");
+  const std::string name = user != nullptr && *user != '\0' ? std::string(user)
+                           : ::geteuid() == 0               ? std::string("root")
+                                                            : detail::Concat("uid ", ::geteuid());
+  return detail::Concat(name, "@", HostName());
 }
 
 std::string ToolName() { return detail::Concat("slamdb ", Version()); }

@@ -72,6 +72,9 @@ class Database {
   // not read them as they are. `called` is what errors call it.
   static Database InMemory(const std::string& called);
   static Database OfBytes(Bytes bytes, const std::string& called);
+  // An empty one that goes to a temporary file where it grows large, and is gone with the connection. Quick to fill:
+  // what fails leaves nothing of use.
+  static Database Temporary(const std::string& called);
   // The bytes of one that was filled. Valid until it is changed. Of the same content they are the same, whichever
   // version of SQLite made them.
   Bytes Serialized();
@@ -104,7 +107,7 @@ class Database {
     void operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
   };
   explicit Database(std::string called) : path_(std::move(called)), waiting_(std::make_unique<Waiting>(0)) {}
-  void OpenHandle(int flags, const char* vfs = nullptr);
+  void OpenHandle(const std::string& file, int flags, const char* vfs = nullptr);
   void OpenMemory();
   void UseHugePages();
   void OpenToRead();
@@ -139,6 +142,8 @@ class Statement {
   void Reset();
   void Run();  // steps through and resets, for statements without result
 
+  int Columns() const { return sqlite3_column_count(handle_.get()); }
+  int Type(int column) const { return sqlite3_column_type(handle_.get(), column); }  // SQLITE_INTEGER, ...
   bool IsNull(int column) const { return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL; }
   std::int64_t Integer(int column) const { return sqlite3_column_int64(handle_.get(), column); }
   double Real(int column) const;  // NaN for NULL

@@ -63,6 +63,10 @@ class ConnectionPool {
 // Throws Error, and SnapshotChanged when another program saved the atlas meanwhile.
 Atlas LoadAtlas(Database& database, std::int64_t atlas, const ReadOptions& options);
 
+// An earlier revision of it, of which `past` (past.h) knows what it does not share with the newest.
+struct PastRows;
+Atlas LoadPast(Database& database, std::int64_t atlas, PastRows& past, const ReadOptions& options);
+
 // The atlas' own row and cameras, into `atlas`.
 void LoadHeader(Database& database, std::int64_t row, Atlas& atlas);
 void LoadCameras(Database& database, std::int64_t row, Atlas& atlas);

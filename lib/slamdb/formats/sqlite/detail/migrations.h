@@ -23,6 +23,9 @@ struct Migration {
 // All of them, ascending from 1. Their SQL is compiled into the library.
 std::span<const Migration> Migrations();
 
+// The statements that make what all of them make of an empty database, at once.
+std::span<const char* const> NewestSchema();
+
 // `SLDB`: PRAGMA application_id of every store.
 constexpr std::int64_t kApplicationId = 0x534C4442;
 
@@ -34,7 +37,10 @@ int VersionOf(Database& database);
 
 // The versions that brought tables and columns which older stores lack.
 inline constexpr int kFirstVersionWithLandmarks = 2, kFirstVersionWithTracking = 3, kFirstVersionWithSummaries = 4,
-                     kFirstVersionWithPlaces = 5, kFirstVersionWithCarried = 6;
+                     kFirstVersionWithPlaces = 5, kFirstVersionWithCarried = 6, kFirstVersionWithRevisions = 7;
+
+// Makes the tables of this program's version in an empty database, inside the caller's transaction, and stamps it.
+void MakeTables(Database& database);
 
 // Runs the steps that `database` lacks, inside the caller's transaction, and stamps it with the last one's number.
 void RunMigrations(Database& database, std::span<const Migration> migrations);

@@ -24,16 +24,16 @@ struct ListPlan {
     bool unique = true;
     const StoredRow* stored = nullptr;  // null: a new row
   };
-  std::vector<Entry> entries;         // one for each entity of the list, in its order; rows ascend
+  std::vector<Entry> entries;         // one for each entity of the list, in its order
   std::vector<std::int64_t> removed;  // rows to delete, ascending
 };
 
 // Matches the entities of a list, by id and by how often that id came before, with the rows in the store (ascending),
-// so that unchanged entities keep their rows and ascending rows keep the list's order. Where that is impossible because
-// the list was reordered, all rows are made anew. `first_row` is the list's first possible row.
+// so that entities keep their rows; new ones come behind them. `first_row` is the list's first possible row. Throws
+// Error when there are no more rows.
 ListPlan PlanList(std::span<const std::int64_t> ids, std::span<const StoredRow> stored, std::int64_t first_row);
 
-// Rows of a map's lists: map * 2^32 + place. Throws Error when a list has 2^32 entries or more.
+// Rows of a map's lists: map * 2^32 + place.
 constexpr std::int64_t FirstRowOfMap(std::int64_t map) { return map << 32; }
 constexpr std::int64_t LastRowOfMap(std::int64_t map) { return (map << 32) + 0xffffffff; }
 constexpr std::int64_t MapOfRow(std::int64_t row) { return row >> 32; }

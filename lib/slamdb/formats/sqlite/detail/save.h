@@ -6,6 +6,7 @@
 #include <string>
 
 #include "slamdb/formats/sqlite/detail/database.h"
+#include "slamdb/formats/sqlite/detail/past.h"
 #include "slamdb/formats/sqlite/detail/plan.h"
 #include "slamdb/formats/sqlite/store.h"
 #include "slamdb/model/atlas.h"
@@ -13,8 +14,8 @@
 
 // Saving an atlas, in the caller's transaction. Steps:
 //   1. hash every row of the atlas (in memory, on all threads) - before the store is locked
-//   2. match its entities with the rows in the store by id, so that unchanged ones keep their rows (plan.h)
-//   3. delete, insert and update what differs, table by table, in row order, so that B-trees grow at their end
+//   2. match its entities with the rows in the store by id, so that they keep their rows (plan.h)
+//   3. keep (past.h), delete, insert and update what differs, table by table
 namespace slamdb::sqlite {
 
 using detail::AtlasHashes;
@@ -34,15 +35,26 @@ struct SaveContext {
   Database& database;
   const SaveOptions& options;
   ChangeCounter& changes;
+  PastWriter& past;        // asked to keep all that changes, before it does
+  MapChanges& map;         // what changed in the map
   std::int64_t atlas = 0;  // its row
   std::size_t entities = 0, entities_done = 0;
 
   void Report(std::size_t done);  // progress; throws what the callback throws
 };
 
+// Which rows a save writes.
+enum class Rewrite {
+  kWhatDiffers,  // from what the stored hashes tell
+  kAll,          // that are in the store may hold something else than their hashes tell
+};
+
 // Saves everything. `hashes` is detail::HashesOf(atlas).
 void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
-               const SaveOptions& options, SaveReport& report);
+               const SaveOptions& options, Rewrite rewrite, SaveReport& report);
+
+// The order of a list (list_order.h), where it is another than before.
+void SaveOrder(SaveContext& context, std::int64_t map, std::string_view list, const ListPlan& plan);
 
 // Deletes the atlas of row `atlas` and all that belongs to it.
 void DeleteAtlas(Database& database, std::int64_t atlas, ChangeCounter& changes);

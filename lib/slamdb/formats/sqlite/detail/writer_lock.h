@@ -40,6 +40,7 @@ bool StillThere(Database& database);
 // Throws Error (kLocked) when it is not.
 void CheckStillThere(Database& database);
 
+std::string Who();        // `user@host`
 std::string ToolName();   // `slamdb 0.1.0`
 std::string TimeOfDay();  // now, UTC, ISO 8601
 

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/options.h"
+#include "cli/revisions.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct BranchOptions {
+  RevisionOptions from;
+  std::string name;
+};
+
+ExitCode RunBranch(const BranchOptions& options, Console& console) {
+  const Location location = Location::Parse(options.from.atlas);
+  Store store = OpenRevisions(options.from, console);
+  const RevisionName from = store.FindRevision(location.name);
+  store.Branch(location.name, options.name, {.progress = console.MakeProgress(false)});
+  if (!console.quiet()) console.Print(location.path + "#" + options.name + " begins as " + from.ToString() + "\n");
+  return ExitCode::kDone;
+}
+
+Run AddBranch(CLI::App& verb) {
+  const auto options = std::make_shared<BranchOptions>();
+  AddRevision(verb, options->from, "The atlas to begin as, or a revision of it");
+  verb.add_option("NAME", options->name, "What the branch is called in the store")->type_name("NAME")->required();
+  return [options](Console& console) { return RunBranch(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb branch lab.db#session_a robot7", "What robot 7 brings home is saved as lab.db#robot7."},
+    {"slamdb branch lab.db#session_a@1 again", "Goes on from an earlier revision."},
+};
+
+}  // namespace
+
+const Command kBranch = {
+    .name = "branch",
+    .summary = "begin another atlas of a store as a revision of one",
+    .group = Group::kStore,
+    .description =
+        R"(Makes a new atlas that begins as another one, or as a revision of it, and remembers that: 'slamdb merge' of the two finds what
+both come from. Keypoints and descriptors, most of the bytes, are stored once for both.)",
+    .failed = "There is no such atlas or revision, the name is taken, or the store could not be written.",
+    .examples = kExamples,
+    .add = AddBranch,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include "cli/commands/commands.h"
+#include "cli/limits.h"
+#include "cli/options.h"
+#include "cli/report/layout.h"
+#include "cli/values.h"
+#include "slamdb/formats/sqlite/report.h"
+
+namespace slamdb::cli {
+namespace {
+
+struct GcOptions {
+  StoreVerbOptions store;
+  GiveUpOptions give_up;
+  bool keep_tags = false, no_vacuum = false, json = false;
+};
+
+std::string ReportText(const GiveUpReport& report, bool dry_run) {
+  std::string text;
+  std::uint64_t gone = 0, kept = 0;
+  for (const GivenUp& atlas : report.atlases) {
+    gone += atlas.revisions.size();
+    kept += atlas.kept;
+    if (!atlas.revisions.empty())
+      text += atlas.atlas + ": " + Counted(atlas.revisions.size(), "revision") + (dry_run ? " would go" : " given up") +
+              ", " + Grouped(atlas.kept) + " kept\n";
+  }
+  if (gone == 0) return "nothing to give up: " + Counted(kept, "revision") + " kept\n";
+  return text + (dry_run ? "would free about " : "freed about ") + HumanBytes(report.bytes) + "\n";
+}
+
+ExitCode RunGc(const GcOptions& options, Console& console) {
+  if (!options.give_up.keep && !options.give_up.keep_days && !options.keep_tags)
+    RefuseUsage(
+        "say what to keep: --keep N, --keep-days D, or --keep-tags for nothing but the newest and what has a tag");
+  const Location location = Location::Parse(options.store.path);
+  Store::Open(location.path);  // a name that is mistyped must not make a store
+  Store store = Store::OpenForWriting(location.path,
+                                      {.lock_timeout = options.store.wait, .progress = console.MakeProgress(false)});
+  const GiveUpReport report = store.GiveUp(options.give_up, location.name);
+  if (report.bytes > 0 && !options.give_up.dry_run && !options.no_vacuum) store.Vacuum();
+  if (options.json)
+    console.PrintData(ToJson(report, options.store.path));
+  else if (!console.quiet())
+    console.Print(ReportText(report, options.give_up.dry_run));
+  return ExitCode::kDone;
+}
+
+Run AddGc(CLI::App& verb) {
+  const auto options = std::make_shared<GcOptions>();
+  AddStore(verb, options->store);
+  verb.add_option("--keep", options->give_up.keep, "Keep that many of the newest revisions of each atlas")
+      ->type_name("N")
+      ->check(Within(kRevisionsKept));
+  verb.add_option("--keep-days", options->give_up.keep_days, "Keep what was saved in so many days up to now")
+      ->type_name("DAYS")
+      ->check(Within(kNonNegative));
+  verb.add_flag("--keep-tags", options->keep_tags,
+                "Keep nothing but the newest and what has a tag, which stays anyway");
+  verb.add_flag("--dry-run", options->give_up.dry_run, "Only tell what would go");
+  verb.add_flag("--no-vacuum", options->no_vacuum, "Leave the file as large as it is, for later saves to fill");
+  AddJson(verb, options->json);
+  return [options](Console& console) { return RunGc(*options, console); };
+}
+
+constexpr Example kExamples[] = {
+    {"slamdb gc lab.db --keep 10", "Gives up all but the ten newest revisions of each atlas."},
+    {"slamdb gc lab.db --keep-days 30 --dry-run", "What would go if a month is enough."},
+    {"slamdb gc lab.db#session_a --keep-tags", "Of one atlas, all but the newest and those with a tag."},
+};
+
+}  // namespace
+
+const Command kGc = {
+    .name = "gc",
+    .summary = "give up earlier revisions of a store's atlases",
+    .group = Group::kStore,
+    .description =
+        R"(Gives up revisions for good, all in one transaction, and the space that they took. What is to be kept has to be said; of several
+ways to keep, one is enough. The newest revision of every atlas stays, and so does what has a tag, and where another atlas was
+branched off or merged from.)",
+    .failed = "The store could not be written, or another program uses it.",
+    .examples = kExamples,
+    .add = AddGc,
+};
+
+}  // namespace slamdb::cli

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/revisions.h"
+
+namespace slamdb::cli {
+
+void AddRevision(CLI::App& verb, RevisionOptions& options, const std::string& help) {
+  const auto check = [](const std::string& text) {
+    return Location::Parse(text).name.empty() ? "expected STORE.db#NAME, found '" + text + "'" : std::string();
+  };
+  verb.add_option("STORE#NAME", options.atlas, help)->type_name("FILE")->required()->check(check);
+  AddWait(verb, options.wait);
+}
+
+Store OpenRevisions(const RevisionOptions& options, Console& console) {
+  const Location location = Location::Parse(options.atlas);
+  Store::Open(location.path, options.wait);
+  return Store::OpenForWriting(location.path, {.lock_timeout = options.wait, .progress = console.MakeProgress(false)});
+}
+
+}  // namespace slamdb::cli

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "cli/console.h"
+#include "cli/options.h"
+#include "slamdb/formats/sqlite/store.h"
+
+namespace slamdb::cli {
+
+// The positional STORE#NAME of verbs that change which revisions an atlas has, and --wait.
+struct RevisionOptions {
+  std::string atlas;  // STORE.db#NAME, or STORE.db#NAME@WHICH
+  double wait = kUsualWait;
+};
+void AddRevision(CLI::App& verb, RevisionOptions& options, const std::string& help);
+
+// The store, to write; a name that is mistyped does not make one.
+Store OpenRevisions(const RevisionOptions& options, Console& console);
+
+}  // namespace slamdb::cli

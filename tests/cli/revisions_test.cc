@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Revisions at the command line: log, restore, tag, branch, gc, and every verb that reads one.
+#include <gmock/gmock.h>
+
+#include "tests/cli/json_schema.h"
+#include "tests/support/cli.h"
+
+namespace slamdb::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+class Revisions : public ::testing::Test {
+ protected:
+  Revisions() {
+    EXPECT_EQ(RunSlamdb({"synthesize", osa_, "--keyframes", "8", "--points", "200", "--seed", "3"}).exit_code, 0);
+    EXPECT_EQ(RunSlamdb({"convert", osa_, At("lab")}).exit_code, 0);
+    EXPECT_EQ(RunSlamdb({"transform", At("lab"), At("lab"), "--by", "1 0 0 0 0 0 1", "--overwrite"}).exit_code, 0);
+  }
+  std::string At(const std::string& name) const { return store_ + "#" + name; }
+  json Log(const std::string& name) { return json::parse(RunSlamdb({"log", At(name), "--json"}).out).at("entries"); }
+
+  TemporaryFolder folder_;
+  std::string osa_ = folder_ / "map.osa", store_ = folder_ / "s.db", out_ = folder_ / "out.osa";
+};
+
+TEST_F(Revisions, EveryVerbReadsThem) {
+  ASSERT_EQ(RunSlamdb({"convert", At("lab@1"), out_}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"diff", osa_, out_}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"diff", At("lab@1"), At("lab@2")}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"diff", At("lab@-1"), At("lab@1")}).exit_code, 0);
+  for (const char* verb : {"info", "check", "dump"}) {
+    const ProcessResult result = RunSlamdb({verb, At("lab@1")});
+    EXPECT_EQ(result.exit_code, 0) << verb << result.err;
+  }
+  const ProcessResult missing = RunSlamdb({"info", At("lab@9")});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.err, HasSubstr("no revision '9' of 'lab'; it has 1, 2"));
+  const ProcessResult over = RunSlamdb({"convert", osa_, At("lab@1"), "--overwrite"});
+  EXPECT_EQ(over.exit_code, 1);
+  EXPECT_THAT(over.err, HasSubstr("stands for a revision of 'lab'"));
+}
+
+TEST_F(Revisions, TheLogTellsWhatTheyChanged) {
+  const ProcessResult text = RunSlamdb({"log", At("lab")});
+  EXPECT_THAT(text.out, HasSubstr("lab@1"));
+  EXPECT_THAT(text.out, HasSubstr("~8"));
+  const ProcessResult result = RunSlamdb({"log", store_, "--json"});
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "log.schema.json"), "");
+  const json second = Log("lab").at(1);
+  EXPECT_EQ(second.at("revision"), 2);
+  EXPECT_EQ(second.at("changes").at("keyframes"), json({{"added", 0}, {"removed", 0}, {"moved", 8}}));
+  EXPECT_THAT(second.at("provenance"), HasSubstr("transform"));
+}
+
+TEST_F(Revisions, TagRestoreAndGiveUp) {
+  EXPECT_THAT(RunSlamdb({"tag", At("lab@1"), "release"}).out, HasSubstr("#lab@release is lab@1"));
+  EXPECT_THAT(RunSlamdb({"tag", At("lab")}).out, HasSubstr("release  lab@1"));
+  const json tags = json::parse(RunSlamdb({"tag", At("lab"), "--json"}).out);
+  EXPECT_EQ(BreachOf(tags, "tag.schema.json"), "");
+  EXPECT_EQ(tags.at("tags").at(0).at("revision"), 1);
+  EXPECT_EQ(RunSlamdb({"tag", At("lab"), "7"}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"tag", At("lab"), "--remove"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"tag", At("lab"), "x", "--json"}).exit_code, 2);
+  EXPECT_EQ(RunSlamdb({"tag", store_, "x"}).exit_code, 2);
+
+  EXPECT_THAT(RunSlamdb({"restore", At("lab@release")}).out, HasSubstr("is lab@1 again"));
+  EXPECT_EQ(RunSlamdb({"diff", At("lab"), osa_}).exit_code, 0);
+
+  const ProcessResult unsaid = RunSlamdb({"gc", store_});
+  EXPECT_EQ(unsaid.exit_code, 2);
+  EXPECT_THAT(unsaid.err, HasSubstr("say what to keep"));
+  EXPECT_EQ(RunSlamdb({"gc", store_, "--keep", "0"}).exit_code, 2);
+  const ProcessResult dry = RunSlamdb({"gc", store_, "--keep-tags", "--dry-run", "--json"});
+  const json planned = json::parse(dry.out);
+  EXPECT_EQ(BreachOf(planned, "gc.schema.json"), "");
+  EXPECT_EQ(planned.at("atlases").at(0).at("given_up").at(0), 2);
+  EXPECT_EQ(RunSlamdb({"info", At("lab@2")}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"gc", store_, "--keep-tags"}).out, HasSubstr("given up, 2 kept"));
+  EXPECT_EQ(RunSlamdb({"info", At("lab@2")}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"diff", At("lab@release"), osa_}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"gc", store_, "--keep", "5"}).out, HasSubstr("nothing to give up: 2 revisions kept"));
+  EXPECT_EQ(RunSlamdb({"tag", At("lab"), "release", "--remove"}).exit_code, 0);
+}
+
+TEST_F(Revisions, BranchesBeginAsRevisions) {
+  EXPECT_THAT(RunSlamdb({"branch", At("lab@1"), "robot7"}).out, HasSubstr("#robot7 begins as lab@1"));
+  EXPECT_EQ(RunSlamdb({"diff", At("robot7"), osa_}).exit_code, 0);
+  EXPECT_EQ(Log("robot7").at(0).at("from").at("revision"), 1);
+  EXPECT_EQ(RunSlamdb({"branch", At("lab"), "robot7"}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"branch", At("lab"), "ro#bot"}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"branch", At("nobody"), "b"}).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace slamdb::testing
