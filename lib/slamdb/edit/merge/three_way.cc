@@ -72,14 +72,14 @@ class ThreeWayMerger {
     base_index_.emplace(branches_.base);
     classes_ = detail::PointClasses(*base_index_, AtlasIndex(branches_.ours), AtlasIndex(branches_.theirs));
     report().fused = classes_.Gone();
-    const std::vector<MapId> our_maps = IdsOfMaps(branches_.ours);
+    our_maps_ = IdsOfMaps(branches_.ours);
     for (const MapGroup& group : detail::GroupMaps(branches_, options_.names)) MergeGroup(group);
     steps.Next();
     Assemble();
     steps.Next();
     const detail::Inventory result(result_.atlas);
     detail::Prove(base, ours, theirs, result, cleared_, report());
-    if (options_.id_maps) RecordIds(ids, ours, our_maps, result);
+    if (options_.id_maps) RecordIds(ids, ours, result);
     report().result = CountContent(result_.atlas, options_.threads);
     steps.Next();
     return std::move(result_);
@@ -128,15 +128,15 @@ class ThreeWayMerger {
     report().fused =
         detail::PointClasses(AtlasIndex(branches_.base), AtlasIndex(branches_.ours), AtlasIndex(branches_.theirs))
             .Gone();
-    const std::vector<MapId> our_maps = IdsOfMaps(branches_.ours);
+    our_maps_ = IdsOfMaps(branches_.ours);
     for (const MapGroup& group : detail::GroupMaps(branches_, report().names)) {
-      for (const std::uint32_t row : group.ours) map_of_ours_.emplace(our_maps[row].value(), our_maps[row]);
+      for (const std::uint32_t row : group.ours) map_of_ours_.emplace(our_maps_[row].value(), our_maps_[row]);
       for (const std::uint32_t row : group.theirs)
         if (!group.ours.empty())
-          map_of_theirs_.emplace(branches_.theirs.maps[row].id.value(), our_maps[group.ours.front()]);
+          map_of_theirs_.emplace(branches_.theirs.maps[row].id.value(), our_maps_[group.ours.front()]);
     }
     const detail::Inventory ours(branches_.ours);
-    RecordIds(ids, ours, our_maps, ours);
+    RecordIds(ids, ours, ours);
     report().fused.clear();
     if (is_theirs) {
       std::swap(report().names[1], report().names[2]);
@@ -250,9 +250,22 @@ class ThreeWayMerger {
         report().conflicts.push_back({{.map = map.id}, "deletion", is_ours ? BranchSide::kOurs : BranchSide::kTheirs});
       }
       took_any_ = took_any_ || !is_ours;
-      (is_ours ? map_of_ours_ : map_of_theirs_).emplace(map.id.value(), map.id);
+      const std::uint64_t before = map.id.value();
+      if (!is_ours) map.id = FreeMapId(map.id);
+      (is_ours ? map_of_ours_ : map_of_theirs_).emplace(before, map.id);
       parts_.push_back({(is_ours ? 0 : branches_.ours.maps.size()) + row, std::move(map)});
     }
+  }
+
+  // The id of a map of theirs itself where ours has none of it.
+  MapId FreeMapId(MapId id) {
+    if (map_ids_.empty())
+      for (const MapId taken : our_maps_) map_ids_.insert(taken.value());
+    if (map_ids_.insert(id.value()).second) return id;
+    const std::uint64_t shift = report().shift[static_cast<std::size_t>(IdKind::kMap)];
+    std::uint64_t free = std::max(branches_.ours.next_ids.map, branches_.theirs.next_ids.map + shift);
+    while (!map_ids_.insert(free).second) ++free;
+    return MapId(free);
   }
 
   // Whether a map of the base has keyframes or observations that the base has not.
@@ -409,8 +422,7 @@ class ThreeWayMerger {
     }
   }
 
-  void RecordIds(const detail::UnifiedIds& unified, const detail::Inventory& ours, const std::vector<MapId>& our_maps,
-                 const detail::Inventory& result) {
+  void RecordIds(const detail::UnifiedIds& unified, const detail::Inventory& ours, const detail::Inventory& result) {
     const auto is_keyframe = [&](std::uint64_t id) {
       return std::ranges::binary_search(result.keyframes, id, {}, [](const auto& each) { return each.first; });
     };
@@ -419,7 +431,7 @@ class ThreeWayMerger {
       return found == maps.end() ? kNoId : found->second.value();
     };
     IdMap mine{.input = report().names[1]}, other{.input = report().names[2]};
-    for (const MapId map : our_maps) mine[IdKind::kMap].push_back({map.value(), map_of(map_of_ours_, map.value())});
+    for (const MapId map : our_maps_) mine[IdKind::kMap].push_back({map.value(), map_of(map_of_ours_, map.value())});
     for (const auto& [id, features] : ours.keyframes)
       mine[IdKind::kKeyFrame].push_back({id, is_keyframe(id) ? id : kNoId});
     for (const std::uint64_t id : ours.points) mine[IdKind::kPoint].push_back({id, SurvivorOf(id, result)});
@@ -451,6 +463,8 @@ class ThreeWayMerger {
   detail::PointClasses classes_;
   std::vector<Part> parts_;
   std::unordered_map<std::uint64_t, MapId> map_of_ours_, map_of_theirs_;  // ids before (unified) and after
+  std::vector<MapId> our_maps_;                                           // by row, as they came
+  std::unordered_set<std::uint64_t> map_ids_;                             // of the result; filled when first needed
   std::uint64_t cleared_ = 0;                                             // keypoints that fusing emptied
   bool took_any_ = false;                                                 // something of theirs is in the result
 };
