@@ -294,8 +294,8 @@ constexpr Example kExamples[] = {
      "The same in a store, with a table of which id became which."},
     {"slamdb merge a.osa b.osa -o ab.osa --join --transform b_in_a.txt --fuse",
      "One map of two, where it is known how the second lies in the first."},
-    {"slamdb merge two_maps.osa -o one.osa --join --anchors 12:51,30:77,41:90",
-     "Joins the two maps of one atlas by keyframes that were taken at the same places."},
+    {"slamdb merge --base start.osa monday.osa tuesday.osa -o both.osa",
+     "What two robots made of one atlas, each thing where it changed."},
 };
 
 }  // namespace
@@ -310,7 +310,9 @@ moved out of the way, kind by kind, where they meet, and every reference moves a
 one. The next ids end up above all. What the result holds is counted and held against the sum of the inputs.
 
 With --align it finds how maps lie to each other that nobody aligned, and makes one map of those that overlap; what is not sure
-stays apart, and when nothing is sure, nothing is written. With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
+stays apart, and when nothing is sure, nothing is written. With --base the inputs are two continuations of one atlas,
+ours and theirs, which become one: what one side changed is as it has it, what both changed is a conflict, and listed.
+With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
 on the first one's and a merge edge recorded, as ORB-SLAM3's own merge does. Keyframes keep their origin map. Join two at
 a time. Maps of MRPT landmarks need no transform when they are in one frame, and
 are fused where they are alike.
