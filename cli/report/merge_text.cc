@@ -63,7 +63,7 @@ std::string LedgersTable(const ThreeWayReport& report) {
 }
 
 std::string MotionText(const MergedBranchMap& map, const BranchMotion& motion, BranchSide side) {
-  if (motion.common == 0) return {};
+  if (motion.max == 0 && !motion.another_frame) return {};
   return "  " + std::string(NameOf(side)) + ": " + (motion.another_frame ? "moved into the other's frame, then " : "") +
          Counted(motion.common, "common keyframe") + " of " + ToString(map.map) + " shifted by " + Short(motion.rms) +
          " (root mean square), at most " + Short(motion.max) + "; " + Grouped(motion.carried) +

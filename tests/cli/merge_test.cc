@@ -231,9 +231,9 @@ TEST_F(MergeContinuations, AnUntouchedSideLeavesTheOtherToTheByte) {
 }
 
 TEST_F(MergeContinuations, RefusesWhatDoesNotGoTogether) {
-  ExpectRefusal(Words({"--join"}), "--base excludes --join", 2);
-  ExpectRefusal(Words({"--align"}), "--base excludes --align", 2);
-  ExpectRefusal(Words({"--on-conflict", "error"}), "--base excludes --on-conflict", 2);
+  ExpectRefusal(Words({"--join"}), "--join and --base exclude each other", 2);
+  ExpectRefusal(Words({"--align"}), "--align and --base exclude each other", 2);
+  ExpectRefusal(Words({"--on-conflict", "error"}), "--on-conflict and --base exclude each other", 2);
   ExpectRefusal({"merge", Input("1"), Input("2"), "-o", At("out.osa"), "--geometry", "ours"}, "--base", 2);
   ExpectRefusal({"merge", Input("1"), Input("2"), "-o", At("out.osa"), "--no-fuse"}, "--no-fuse needs", 2);
   ExpectRefusal({"merge", "--base", At("base.osa"), At("ours.osa"), "-o", At("out.osa")}, "two inputs", 2);
