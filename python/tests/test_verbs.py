@@ -216,7 +216,7 @@ def test_merge_of_continuations_is_the_commands(arguments, options, session, com
     told = command("merge", "--base", base, ours, theirs, "-o", tmp_path / "both.osa", *options.split())
     assert slamdb.encode(merged) == (tmp_path / "both.osa").read_bytes()
     assert without_files(report.to_dict()) == without_files(told)
-    assert len(merged.keyframes) == 9
+    assert len(merged.maps[0].keyframes) == 9
     with pytest.raises(slamdb.UsageError, match="goes with base= only"):
         slamdb.merge(ours, theirs, geometry="ours")
     with pytest.raises(slamdb.UsageError, match="does not go with base="):
