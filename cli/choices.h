@@ -10,6 +10,7 @@
 #include "slamdb/edit/frame/transform_atlas.h"
 #include "slamdb/edit/ids/renumber.h"
 #include "slamdb/edit/merge/merge.h"
+#include "slamdb/edit/merge/three_way.h"
 #include "slamdb/edit/part/extract.h"
 #include "slamdb/edit/part/fragments.h"
 #include "slamdb/edit/part/shrink.h"
@@ -53,6 +54,11 @@ inline const Choices<IdOrder> kIdOrders = {{"id", IdOrder::kId}, {"time", IdOrde
 
 inline const Choices<SameMap> kConflicts = {
     {"renumber", SameMap::kKeepBoth}, {"error", SameMap::kError}, {"keep-first", SameMap::kKeepFirst}};
+inline const Choices<BranchGeometry> kBranchGeometries = {{"ours", BranchGeometry::kOurs},
+                                                          {"theirs", BranchGeometry::kTheirs},
+                                                          {"align", BranchGeometry::kAlign},
+                                                          {"optimize", BranchGeometry::kOptimize}};
+inline const Choices<BranchSide> kBranchSides = {{"ours", BranchSide::kOurs}, {"theirs", BranchSide::kTheirs}};
 inline const Choices<Tightening> kTightenings = {{"none", Tightening::kNone},
                                                  {"pose-graph", Tightening::kPoseGraph},
                                                  {"seam", Tightening::kSeam},

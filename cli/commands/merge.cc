@@ -11,12 +11,14 @@
 #include "cli/report/align_text.h"
 #include "cli/report/merge_text.h"
 #include "cli/values.h"
+#include "slamdb/align/merge_branches.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/warnings.h"
 #include "slamdb/many/names.h"
+#include "slamdb/optimize/warnings.h"
 
 namespace slamdb::cli {
 namespace {
@@ -27,6 +29,9 @@ struct MergeVerbOptions {
   MergeOptions merge;
   std::string id_map, vocabulary;
   bool align = false, join = false, scale = false, no_scale = false, fuse = false, no_fuse = false;
+  std::string base;
+  BranchGeometry geometry = BranchGeometry::kAlign;
+  BranchSide prefer = BranchSide::kOurs;
   std::string transform, anchors, maps;
   std::optional<double> outlier_distance;
   std::optional<SameMap> same_map;
@@ -66,16 +71,19 @@ JoinOptions JoinOptionsOf(const MergeVerbOptions& options, Notices& notices) {
   return join;
 }
 
-std::string Provenance(const std::vector<std::string>& inputs) {
+std::string Provenance(const MergeVerbOptions& options) {
   std::string text = "merge";
-  for (const std::string& input : inputs) text += " " + input;
+  if (!options.base.empty()) text += " --base " + options.base;
+  for (const std::string& input : options.inputs) text += " " + input;
   return text;
 }
 
 std::vector<Atlas> ReadInputs(const MergeVerbOptions& options, Console& console, Notices& notices) {
   const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
+  std::vector<std::string> inputs = options.inputs;
+  if (!options.base.empty()) inputs.insert(inputs.begin(), options.base);
   std::vector<Atlas> atlases;
-  for (const std::string& input : options.inputs) {
+  for (const std::string& input : inputs) {
     EditOptions each = options.edit;
     each.input = input;
     atlases.push_back(ReadInput(each, console, notices));
@@ -102,12 +110,41 @@ ExitCode MergeAndJoin(std::vector<Atlas> atlases, const MergeOptions& merge, Sid
     return ExitCode::kFailed;
   }
   if (id_map.wanted()) id_map.Write(IdMapsToText(report.id_maps, options.id_map));
-  WriteResult(result.merged.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
+  WriteResult(result.merged.atlas, options.edit, Provenance(options), console, notices, &id_map);
   return FinishEdit(text, ToJson(result, FilesOf(options.edit).output), options.edit, console, notices);
 }
 
+// What two robots made of one base.
+ExitCode MergeTheBranches(const MergeVerbOptions& options, Console& console) {
+  if (options.inputs.size() != 2) RefuseUsage("--base is of two inputs, ours and theirs, which were made of it");
+  ThreeWayOptions merge{.geometry = options.geometry,
+                        .prefer = options.prefer,
+                        .fuse = options.fusion,
+                        .ignore_vocabulary = options.merge.ignore_vocabulary || options.merge.force,
+                        .id_maps = !options.id_map.empty(),
+                        .threads = console.threads(),
+                        .progress = console.MakeProgress()};
+  if (options.no_fuse) merge.fuse.reset();
+  const std::vector<std::string> names = DistinctNames({options.base, options.inputs[0], options.inputs[1]});
+  std::ranges::copy(names, merge.names.begin());
+  Notices notices;
+  SideFile id_map(options.id_map, options.edit);
+  std::vector<Atlas> atlases = ReadInputs(options, console, notices);
+  const MergeBranchesResult result =
+      MergeBranches(std::move(atlases[0]), std::move(atlases[1]), std::move(atlases[2]), merge);
+  const ThreeWayReport& report = result.merged.report;
+  if (id_map.wanted()) id_map.Write(IdMapsToText(report.id_maps, options.id_map));
+  WriteResult(result.merged.atlas, options.edit, Provenance(options), console, notices, &id_map);
+  TellWarnings(report, notices);
+  for (const OptimizedJoin& round : result.tightened)
+    TellWarnings(round.optimization, "`OptimizeMaps` goes on", notices);
+  return FinishEdit(ThreeWayText(report) + OptimizedJoinText(result.tightened),
+                    ToJson(result, FilesOf(options.edit).output), options.edit, console, notices);
+}
+
 ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
-  if (options.align) GoOnWithLibraries();
+  if (options.align || (!options.base.empty() && options.geometry == BranchGeometry::kOptimize)) GoOnWithLibraries();
+  if (!options.base.empty()) return MergeTheBranches(options, console);
   MergeOptions merge = options.merge;
   merge.names = DistinctNames(options.inputs);
   merge.id_maps = !options.id_map.empty();
@@ -127,10 +164,27 @@ ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
   if (options.align) return MergeAndJoin(std::move(atlases), merge, id_map, options, console, notices);
   MergeResult result = MergeAtlases(std::move(atlases), merge);
   if (id_map.wanted()) id_map.Write(IdMapsToText(result.report.id_maps, options.id_map));
-  WriteResult(result.atlas, options.edit, Provenance(options.inputs), console, notices, &id_map);
+  WriteResult(result.atlas, options.edit, Provenance(options), console, notices, &id_map);
   TellWarnings(result.report, notices);
   return FinishEdit(MergeText(result.report), ToJson(result.report, FilesOf(options.edit).output), options.edit,
                     console, notices);
+}
+
+void BindBranches(CLI::App& verb, MergeVerbOptions& options) {
+  constexpr const char* kGroup = "Continuations of one atlas";
+  auto* base = verb.add_option("--base", options.base,
+                               "What both inputs were made of: their changes are merged, each thing where it changed")
+                   ->type_name("FILE")
+                   ->group(kGroup);
+  for (const char* other : {"--join", "--align", "--on-conflict"}) base->excludes(verb.get_option(other));
+  const auto needs_base = [&](CLI::Option* option) { return option->needs(base)->group(kGroup); };
+  needs_base(verb.add_option("--geometry", options.geometry,
+                             "Where that is which both have: align, what both changed, weighed, the default; ours; "
+                             "theirs; optimize, align and then the bundle adjusted"))
+      ->transform(OneOf(kBranchGeometries));
+  needs_base(verb.add_option("--prefer", options.prefer,
+                             "Whose change stands where both changed the same: ours, the default, or theirs"))
+      ->transform(OneOf(kBranchSides));
 }
 
 void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
@@ -168,24 +222,33 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
                              "Leave out anchors that lie farther apart than this, in units of the first map"))
       ->type_name("DISTANCE")
       ->check(Within(kPositive));
-  auto* fuse =
-      needs_join(verb.add_flag("--fuse", options.fuse, "Fuse points that both maps have, and their landmarks"));
-  needs_join(verb.add_flag("--no-fuse", options.no_fuse,
-                           "Keep landmarks apart; by default those of maps without keyframes are fused where they are "
-                           "alike"))
-      ->excludes(fuse);
+  auto* fuse = verb.add_flag("--fuse", options.fuse,
+                             "Fuse points that both maps have, and their landmarks; by default with --base")
+                   ->group(kGroup);
+  verb.add_flag("--no-fuse", options.no_fuse,
+                "Keep apart what is fused by default: with --base new points of both, with --join landmarks of maps "
+                "without keyframes")
+      ->excludes(fuse)
+      ->group(kGroup);
   verb.add_option("--fuse-radius", options.fusion.radius, "How far apart fused points may be, in pixels of uncertainty")
       ->type_name("PIXELS")
       ->check(Within(kPositive))
       ->capture_default_str()
-      ->needs(fuse)
       ->group(kGroup);
   verb.add_option("--fuse-hamming", options.fusion.hamming, "In how many bits their descriptors may differ")
       ->type_name("BITS")
       ->check(Within(kBitsOfDescriptor))
       ->capture_default_str()
-      ->needs(fuse)
       ->group(kGroup);
+}
+
+// Fusing is of maps that become one.
+void RefuseStrayFusing(const CLI::App& verb, const MergeVerbOptions& options) {
+  if (!options.base.empty()) return;
+  for (const char* option : {"--fuse", "--no-fuse"})
+    if (verb.count(option) > 0 && !options.join) RefuseUsage(std::string(option) + " needs --join or --base");
+  for (const char* option : {"--fuse-radius", "--fuse-hamming"})
+    if (verb.count(option) > 0 && !options.fuse) RefuseUsage(std::string(option) + " needs --fuse or --base");
 }
 
 Run AddMerge(CLI::App& verb) {
@@ -214,7 +277,9 @@ Run AddMerge(CLI::App& verb) {
        Writes::kFile)
       ->type_name("FILE");
   BindJoin(verb, *options);
-  verb.parse_complete_callback([options] {
+  BindBranches(verb, *options);
+  verb.parse_complete_callback([options, &verb] {
+    RefuseStrayFusing(verb, *options);
     EditOptions& edit = options->edit;
     if (!options->inputs.empty()) edit.output = NamedOutput(options->inputs.front(), edit.output, edit.target.to);
   });
@@ -229,8 +294,8 @@ constexpr Example kExamples[] = {
      "The same in a store, with a table of which id became which."},
     {"slamdb merge a.osa b.osa -o ab.osa --join --transform b_in_a.txt --fuse",
      "One map of two, where it is known how the second lies in the first."},
-    {"slamdb merge two_maps.osa -o one.osa --join --anchors 12:51,30:77,41:90",
-     "Joins the two maps of one atlas by keyframes that were taken at the same places."},
+    {"slamdb merge --base start.osa monday.osa tuesday.osa -o both.osa",
+     "What two robots made of one atlas, each thing where it changed."},
 };
 
 }  // namespace
@@ -245,7 +310,9 @@ moved out of the way, kind by kind, where they meet, and every reference moves a
 one. The next ids end up above all. What the result holds is counted and held against the sum of the inputs.
 
 With --align it finds how maps lie to each other that nobody aligned, and makes one map of those that overlap; what is not sure
-stays apart, and when nothing is sure, nothing is written. With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
+stays apart, and when nothing is sure, nothing is written. With --base the inputs are two continuations of one atlas,
+ours and theirs, which become one: what one side changed is as it has it, what both changed is a conflict, and listed.
+With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
 on the first one's and a merge edge recorded, as ORB-SLAM3's own merge does. Keyframes keep their origin map. Join two at
 a time. Maps of MRPT landmarks need no transform when they are in one frame, and
 are fused where they are alike.

@@ -9,17 +9,20 @@
 namespace slamdb::cli {
 namespace {
 
-std::int64_t ShiftOf(const MergedInput& input, IdKind kind) {
-  return static_cast<std::int64_t>(input.shift[static_cast<std::size_t>(kind)]);
+// "keyframe +186, point +44351", or nothing.
+std::string ShiftText(const std::array<std::uint64_t, kIdKinds>& shifts) {
+  std::string text;
+  for (std::size_t kind = 0; kind < kIdKinds; ++kind)
+    if (const auto shift = static_cast<std::int64_t>(shifts[kind]); shift != 0)
+      text += (text.empty() ? "" : ", ") + std::string(NameOf(static_cast<IdKind>(kind))) + (shift > 0 ? " +" : " ") +
+              std::to_string(shift);
+  return text;
 }
 
-// "keyframe +186, point +44351; camera 0 is 0", or "ids kept".
-std::string ShiftText(const MergedInput& input) {
-  std::string text;
+// That, and "camera 0 -> 1", or "kept".
+std::string IdsText(const MergedInput& input) {
+  std::string text = ShiftText(input.shift);
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
-  for (std::size_t kind = 0; kind < kIdKinds; ++kind)
-    if (const std::int64_t shift = ShiftOf(input, static_cast<IdKind>(kind)); shift != 0)
-      add(std::string(NameOf(static_cast<IdKind>(kind))) + (shift > 0 ? " +" : " ") + std::to_string(shift));
   for (const IdPair& camera : input.cameras)
     if (camera.before != camera.after)
       add("camera " + std::to_string(camera.before) + " -> " + std::to_string(camera.after));
@@ -35,14 +38,77 @@ std::string InputsTable(const MergeReport& report) {
     table.Add({name, Grouped(counts.maps), Grouped(counts.keyframes), Grouped(counts.points),
                Grouped(counts.observations), Grouped(counts.landmarks), ids});
   };
-  for (const MergedInput& input : report.inputs) add(input.name, input.counts, ShiftText(input));
+  for (const MergedInput& input : report.inputs) add(input.name, input.counts, IdsText(input));
   if (report.left_out.maps > 0) add("left out", report.left_out, "");
   add("result", report.result, "");
   if (report.result.landmarks + report.left_out.landmarks == 0) table.Drop(kLandmarksColumn);
   return table.ToString();
 }
 
+std::string LedgersTable(const ThreeWayReport& report) {
+  using enum Table::Align;
+  Table table({kLeft, kRight, kRight, kRight, kRight, kRight, kRight, kRight, kRight});
+  table.Add({"", "base", "ours", "theirs", "added", "deleted", "fused", "dropped", "result"});
+  const auto add = [&](const char* what, const BranchLedger& of) {
+    table.Add({what, Grouped(of.base), Grouped(of.ours), Grouped(of.theirs),
+               Grouped(of.added_by_ours + of.added_by_theirs + of.added_by_both),
+               Grouped(of.deleted_by_ours + of.deleted_by_theirs + of.deleted_by_both), Grouped(of.fused),
+               Grouped(of.dropped), Grouped(of.result)});
+  };
+  add("keyframes", report.keyframes);
+  add("points", report.points);
+  add("observations", report.observations);
+  if (report.edges.base + report.edges.ours + report.edges.theirs > 0) add("loops and merges", report.edges);
+  return table.ToString();
+}
+
+std::string MotionText(const MergedBranchMap& map, const BranchMotion& motion, BranchSide side) {
+  if (motion.max == 0 && !motion.another_frame) return {};
+  return "  " + std::string(NameOf(side)) + ": " + (motion.another_frame ? "moved into the other's frame, then " : "") +
+         Counted(motion.common, "common keyframe") + " of " + ToString(map.map) + " shifted by " + Short(motion.rms) +
+         " (root mean square), at most " + Short(motion.max) + "; " + Grouped(motion.carried) +
+         " others carried along\n";
+}
+
+std::string ConflictsText(const std::vector<BranchConflict>& conflicts) {
+  constexpr std::size_t kMostShown = 10;
+  if (conflicts.empty()) return "no conflicts\n";
+  std::string text = Counted(conflicts.size(), "conflict") + ":\n";
+  for (std::size_t i = 0; i < std::min(kMostShown, conflicts.size()); ++i)
+    text += "  " + ToString(conflicts[i].place) + ": " + MessageOf(conflicts[i]) + "\n";
+  if (conflicts.size() > kMostShown)
+    text += "  and " + Grouped(conflicts.size() - kMostShown) + " more, which --json lists\n";
+  return text;
+}
+
 }  // namespace
+
+std::string ThreeWayText(const ThreeWayReport& report) {
+  if (report.same) return "both sides are the same: the result is " + report.names[1] + ", as it is\n";
+  if (report.unchanged) {
+    const bool is_ours = *report.unchanged == BranchSide::kOurs;
+    return report.names[is_ours ? 1 : 2] + " is " + report.names[0] + " itself: the result is " +
+           report.names[is_ours ? 2 : 1] + ", as it is\n";
+  }
+  if (report.contains) {
+    const bool is_ours = *report.contains == BranchSide::kOurs;
+    return report.names[is_ours ? 1 : 2] + " was made of " + report.names[is_ours ? 2 : 1] +
+           ", whose new keyframes it has: the result is " + report.names[is_ours ? 1 : 2] + ", as it is\n";
+  }
+  std::string text = LedgersTable(report);
+  if (const std::string ids = ShiftText(report.shift); !ids.empty())
+    text += "ids that " + report.names[2] + " made since the base: " + ids + "\n";
+  for (const MergedBranchMap& map : report.maps) {
+    text += MotionText(map, map.motion_of_ours, BranchSide::kOurs);
+    text += MotionText(map, map.motion_of_theirs, BranchSide::kTheirs);
+    if (map.fused && map.fused->fused > 0)
+      text += "  " + Counted(map.fused->fused, "new point") + " of theirs fused with those of ours, " +
+              Short(map.fused->mean_distance) + " apart on average\n";
+  }
+  if (report.dangling > 0) text += Counted(report.dangling, "reference") + " that led nowhere cut\n";
+  text += ConflictsText(report.conflicts);
+  return text + "nothing was lost: keyframes, points, observations and edges of all three add up\n";
+}
 
 std::string JoinText(const JoinReport& join) {
   const std::string moved = SimilarityText(join.first_from_second);

@@ -43,6 +43,9 @@ def merge(
     vocabulary: Optional[Path] = None,
     id_map: Optional[Path] = None,
     overwrite: bool = False,
+    base: Optional[Source] = None,
+    geometry: Optional[str] = None,
+    prefer: Optional[str] = None,
     align: bool = False,
     optimize: Optional[str] = None,
     join: bool = False,
@@ -66,6 +69,11 @@ def merge(
     vocabulary: file of the words; those that cannot be of it are computed anew
     id_map: write which id of which atlas became which to this .csv or .json; overwrite: replace it
 
+    base: what both sources, ours and theirs, were made of: their changes are merged, each thing where it changed
+    geometry: where that is which both have: "align" (the default), what both changed, weighed; "ours", "theirs";
+        "optimize", align and then the bundle adjusted
+    prefer: whose change stands where both changed the same: "ours" (the default) or "theirs"
+
     align: make one map of those that overlap; NotPossibleError where none does for sure
     optimize: behind that: "none", "pose-graph", "seam" (the default) or "full"
 
@@ -75,7 +83,7 @@ def merge(
     maps: which, ids in the first and the second atlas
     scale: solve for it from anchors; by default only of monocular maps
     outliers: leave out anchors that lie farther apart, units of the first map
-    fuse: points that both maps have; by default with align, and of maps of landmarks
+    fuse: points that both maps have; by default with align and base, and of maps of landmarks
     fuse_radius: how far apart, pixels of uncertainty, 3; fuse_hamming: in how many bits descriptors may differ, 50
     """
     given = locals()

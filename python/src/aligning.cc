@@ -3,6 +3,7 @@
 #include "python/src/module.h"
 #include "python/src/verb.h"
 #include "slamdb/align/merge_aligned.h"
+#include "slamdb/align/merge_branches.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/merge.h"
@@ -126,8 +127,8 @@ Joining JoiningOf(Arguments& given) {
   if (!joining.join)
     given.RefuseIdle({"transform", "anchors", "maps", "scale", "outliers"}, "goes with join=True only");
   if (!joining.align) given.RefuseIdle({"optimize"}, "goes with align=True only");
-  if (!joining.join && !joining.align)
-    given.RefuseIdle({"fuse", "fuse_radius", "fuse_hamming"}, "goes with join=True or align=True only");
+  if (!joining.join && !joining.align && !given.Has("base"))
+    given.RefuseIdle({"fuse", "fuse_radius", "fuse_hamming"}, "goes with join=True, align=True or base= only");
   if (given.Has("maps")) {
     const auto [first, second] = given.Get<std::pair<std::uint64_t, std::uint64_t>>("maps");
     joining.options.first = MapId(first);
@@ -171,6 +172,37 @@ MergeAlignedResult MergeOverlapping(std::vector<Atlas> atlases, const MergeOptio
   return result;
 }
 
+// How two continuations of one atlas become one.
+ThreeWayOptions BranchingOf(Arguments& given, const Joining& joining) {
+  ThreeWayOptions options{.fuse = joining.fusion};
+  if (!given.Has("base")) {
+    given.RefuseIdle({"geometry", "prefer"}, "goes with base= only");
+    return options;
+  }
+  given.RefuseIdle({"join", "align", "on_conflict"}, "does not go with base=");
+  if (!joining.fuse.value_or(true)) options.fuse.reset();
+  given.TakeWord("geometry", cli::kBranchGeometries, options.geometry);
+  given.TakeWord("prefer", cli::kBranchSides, options.prefer);
+  return options;
+}
+
+// The base comes first among the sources.
+std::string MergeContinuations(std::vector<Atlas> atlases, const MergeOptions& merge, ThreeWayOptions options,
+                               const OutputFile& ids, Atlas& atlas, Notices& notices) {
+  if (atlases.size() != 3) throw Error(ErrorKind::kUsage, "base= is of two sources, ours and theirs, made of it");
+  std::ranges::copy(merge.names, options.names.begin());
+  options.ignore_vocabulary = merge.ignore_vocabulary || merge.force;
+  options.id_maps = merge.id_maps;
+  options.threads = merge.threads;
+  options.progress = merge.progress;
+  MergeBranchesResult result =
+      MergeBranches(std::move(atlases[0]), std::move(atlases[1]), std::move(atlases[2]), options);
+  TellWarnings(result.merged.report, notices);
+  if (ids.any()) WriteIdMaps(result.merged.report.id_maps, ids.path, ids.options);
+  atlas = std::move(result.merged.atlas);
+  return ToJson(result);
+}
+
 void WriteIdsOf(const MergeReport& report, const OutputFile& file) {
   if (file.any()) WriteIdMaps(report.id_maps, file.path, file.options);
 }
@@ -179,7 +211,10 @@ void DefineMerge(py::module_& module) {
   DefineMaker(module, "merge", [](Arguments& given) {
     const Joining joining = JoiningOf(given);
     const OutputFile ids = given.Output("id_map");
-    const Sources sources = given.Sources("sources");
+    const ThreeWayOptions branching = BranchingOf(given, joining);
+    const bool has_base = given.Has("base");
+    Sources sources = given.Sources("sources");
+    if (has_base) sources.insert(sources.begin(), given.SourceAt("base"));
     MergeOptions options{.names = DistinctNames(NamesOf(sources)),
                          .same_map = joining.align ? SameMap::kKeepFirst : SameMap::kKeepBoth,
                          .id_maps = ids.any()};
@@ -190,6 +225,7 @@ void DefineMerge(py::module_& module) {
     return [=, vocabulary = given.Path("vocabulary")](Atlas& atlas, Notices& notices) {
       MergeOptions merge = options;
       std::vector<Atlas> atlases = CopiesOf(sources, vocabulary, options, notices);
+      if (has_base) return MergeContinuations(std::move(atlases), merge, branching, ids, atlas, notices);
       merge.join = joining.Of(atlases, notices);
       if (joining.align) {
         MergeAlignedResult result = MergeOverlapping(std::move(atlases), merge, joining, notices);

@@ -203,6 +203,26 @@ def test_merge_is_the_commands(arguments, options, session, fixtures, command, t
     assert (tmp_path / "mine.csv").read_text() == (tmp_path / "theirs.csv").read_text()
 
 
+@pytest.mark.parametrize(
+    "arguments, options",
+    [({}, ""), ({"geometry": "ours", "prefer": "theirs", "fuse": False}, "--geometry ours --prefer theirs --no-fuse")],
+)
+def test_merge_of_continuations_is_the_commands(arguments, options, session, command, tmp_path):
+    parts = {"base": [0, 1, 2, 3, 4], "ours": [0, 1, 2, 3, 4, 5, 6], "theirs": [0, 1, 2, 3, 4, 7, 8]}
+    base, ours, theirs = (tmp_path / f"{name}.osa" for name in parts)
+    for path, keyframes in zip((base, ours, theirs), parts.values()):
+        command("extract", session, path, "--keyframe", ",".join(map(str, keyframes)))
+    merged, report = slamdb.merge(ours, theirs, base=base, **arguments)
+    told = command("merge", "--base", base, ours, theirs, "-o", tmp_path / "both.osa", *options.split())
+    assert slamdb.encode(merged) == (tmp_path / "both.osa").read_bytes()
+    assert without_files(report.to_dict()) == without_files(told)
+    assert len(merged.maps[0].keyframes) == 9
+    with pytest.raises(slamdb.UsageError, match="goes with base= only"):
+        slamdb.merge(ours, theirs, geometry="ours")
+    with pytest.raises(slamdb.UsageError, match="does not go with base="):
+        slamdb.merge(ours, theirs, base=base, align=True)
+
+
 def test_merge_refuses_what_does_not_overlap(session):
     rooms = slamdb.synthesize(maps=2, keyframes=10, points=400, look_alike=True)
     with pytest.raises(slamdb.NotPossibleError, match="no map could be aligned"):

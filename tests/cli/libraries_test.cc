@@ -61,12 +61,13 @@ INSTANTIATE_TEST_SUITE_P(All, VerbsWithLibraries,
                              {"optimize", "not-there.osa", "-o", "o.osa"},
                              {"close-loops", "not-there.osa", "-o", "o.osa"},
                              {"merge", "--align", "not-there.osa", "nor-this.osa", "-o", "o.osa"},
+                             {"merge", "--base", "b.osa", "--geometry", "optimize", "o.osa", "t.osa", "-o", "m.osa"},
                              {"align", "not-there.osa", "nor-this.osa", "--plot", "p.svg"},
                              {"locate", "not-there.osa", "picture.png"},
                              {"convert", "not-there.osa", "model", "--to", "nerf", "--images", "pictures"},
                          }),
                          [](const auto& line) {
-                           std::string name = line.param[0];
+                           std::string name = line.param[0] + (line.param[1].starts_with('-') ? line.param[1] : "");
                            std::erase(name, '-');
                            return name;
                          });

@@ -176,5 +176,73 @@ TEST_F(Merge, ReassignOrigin) {
   ExpectRefusal({"reassign-origin", Input("1"), At("out.osa"), "--map", "8"}, "FROM=TO", 2);
 }
 
+// Two continuations of the first keyframes of one atlas.
+class MergeContinuations : public Merge {
+ protected:
+  void SetUp() override {
+    Merge::SetUp();
+    for (const auto& [name, keyframes] : {std::pair("base", "0,1,2,3,4,5"), std::pair("ours", "0,1,2,3,4,5,6,7"),
+                                          std::pair("theirs", "0,1,2,4,5,8,9")}) {
+      const ProcessResult made =
+          RunSlamdb({"extract", Input("1"), At(name + std::string(".osa")), "--keyframe", keyframes});
+      ASSERT_EQ(made.exit_code, 0) << made.err;
+    }
+  }
+  std::vector<std::string> Words(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words = {"merge",          "--base", At("base.osa"), At("ours.osa"),
+                                      At("theirs.osa"), "-o",     At("out.osa")};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+};
+
+TEST_F(MergeContinuations, BecomeOneMap) {
+  const ProcessResult result = RunSlamdb(Words({"--id-map", At("ids.csv")}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("nothing was lost"));
+  const json map = Info(At("out.osa")).at("maps").at(0);
+  EXPECT_EQ(map.at("keyframes"), 9);  // without the one that theirs has culled
+  EXPECT_EQ(RunSlamdb({"check", At("out.osa")}).exit_code, 0);
+  const std::string ids = ReadWholeFile(At("ids.csv"));
+  EXPECT_THAT(ids, HasSubstr("\n" + At("ours.osa") + ",keyframe,3,\n"));
+  EXPECT_THAT(ids, HasSubstr("\n" + At("theirs.osa") + ",keyframe,9,9\n"));
+}
+
+TEST_F(MergeContinuations, JsonFollowsTheSchema) {
+  const ProcessResult result = RunSlamdb(Words({"--json", "--geometry", "ours", "--prefer", "theirs"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(BreachOf(report, "merge.schema.json"), "");
+  EXPECT_EQ(report.at("branches").at("geometry"), "ours");
+  EXPECT_EQ(report.at("branches").at("ledgers").at("keyframes").at("deleted_by_theirs"), 1);
+  EXPECT_EQ(report.at("result").at("keyframes"), 9);
+}
+
+TEST_F(MergeContinuations, AnUntouchedSideLeavesTheOtherToTheByte) {
+  ASSERT_EQ(
+      RunSlamdb({"merge", "--base", At("base.osa"), At("ours.osa"), At("base.osa"), "-o", At("out.osa")}).exit_code, 0);
+  EXPECT_EQ(ReadWholeFile(At("out.osa")), ReadWholeFile(At("ours.osa")));
+  ASSERT_EQ(RunSlamdb(Words({"-O"})).exit_code, 0);
+  const ProcessResult again =
+      RunSlamdb({"merge", "--base", At("base.osa"), At("out.osa"), At("theirs.osa"), "-o", At("again.osa")});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("whose new keyframes it has"));
+  EXPECT_EQ(ReadWholeFile(At("again.osa")), ReadWholeFile(At("out.osa")));
+}
+
+TEST_F(MergeContinuations, RefusesWhatDoesNotGoTogether) {
+  ExpectRefusal(Words({"--join"}), "--join and --base exclude each other", 2);
+  ExpectRefusal(Words({"--align"}), "--align and --base exclude each other", 2);
+  ExpectRefusal(Words({"--on-conflict", "error"}), "--on-conflict and --base exclude each other", 2);
+  ExpectRefusal({"merge", Input("1"), Input("2"), "-o", At("out.osa"), "--geometry", "ours"}, "--base", 2);
+  ExpectRefusal({"merge", Input("1"), Input("2"), "-o", At("out.osa"), "--no-fuse"}, "--no-fuse needs", 2);
+  ExpectRefusal({"merge", "--base", At("base.osa"), At("ours.osa"), "-o", At("out.osa")}, "two inputs", 2);
+  ExpectRefusal({"merge", "--base", Input("2"), At("ours.osa"), At("theirs.osa"), "-o", At("out.osa")},
+                "`slamdb merge --align`");
+  EXPECT_THAT(
+      RunSlamdb({"merge", "--base", At("base.osa"), At("ours.osa"), At("theirs.osa"), "-o", At("base.osa"), "-O"}).err,
+      HasSubstr("is the input"));
+}
+
 }  // namespace
 }  // namespace slamdb::testing

@@ -126,7 +126,7 @@ void Fill(const TemporaryFolder& folder) {
 std::string MissingAtlas(const std::string& command, const TemporaryFolder& folder) {
   static const std::regex names(
       "(session_[ab]|mono_small|mono_small_newmap|mono_dist|race_mono|stereo_inertial|"
-      "fisheye_stereo|multimap_rgbd|l1)(\\.osa|_frames\\.txt)");
+      "fisheye_stereo|multimap_rgbd|l1|p1|b[12])(\\.osa|_frames\\.txt)");
   for (std::sregex_iterator name(command.begin(), command.end(), names), end; name != end; ++name)
     if (!fs::exists(folder.path() / name->str())) return name->str();
   return {};

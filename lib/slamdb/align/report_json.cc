@@ -2,6 +2,7 @@
 #include "slamdb/align/report_json.h"
 
 #include "slamdb/align/detail/report_json.h"
+#include "slamdb/align/merge_branches.h"
 #include "slamdb/edit/merge/detail/report_json.h"
 #include "slamdb/optimize/detail/report_json.h"
 
@@ -51,6 +52,12 @@ Json JsonOf(const OptimizedJoin& round) {
   return json;
 }
 
+Json RoundsOf(const std::vector<OptimizedJoin>& rounds) {
+  Json json = Json::array();
+  for (const OptimizedJoin& round : rounds) json.push_back(JsonOf(round));
+  return json;
+}
+
 Json JsonOf(const MapName& name) { return {{"input", name.input}, {"map", detail::JsonId(name.map)}}; }
 
 Json LinksOf(const AlignedMaps& aligned, const std::vector<MapName>& names) {
@@ -89,8 +96,13 @@ std::string ToJson(const MergeReport& merged, const JoinAlignedReport& joined,
   json["links"] = LinksOf(joined.aligned, names);
   json["joins"] = Json::array();
   for (const JoinReport& join : joined.joins) json["joins"].push_back(detail::JoinJson(join));
-  json["optimizations"] = Json::array();
-  for (const OptimizedJoin& round : optimized) json["optimizations"].push_back(JsonOf(round));
+  json["optimizations"] = RoundsOf(optimized);
+  return detail::JsonText(json);
+}
+
+std::string ToJson(const MergeBranchesResult& result, const std::string& output) {
+  Json json = detail::ThreeWayJson(result.merged.report, output);
+  json["optimizations"] = RoundsOf(result.tightened);
   return detail::JsonText(json);
 }
 

@@ -18,6 +18,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/steps.h"
 #include "slamdb/edit/landmarks/landmarks.h"
+#include "slamdb/edit/merge/detail/fused_landmarks.h"
 #include "slamdb/edit/merge/detail/refresh_points.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/index.h"
@@ -200,9 +201,11 @@ class Fuser {
       const std::uint32_t row = keyframes_.Find(observation.keyframe.value());
       if (row == kNoRow) continue;
       KeyFrame& keyframe = map_.keyframes[row];
-      for (const std::int32_t slot : {observation.left, observation.right})
-        if (slot >= 0 && static_cast<std::size_t>(slot) < keyframe.features.map_points.size())
-          keyframe.features.map_points[static_cast<std::size_t>(slot)] = kept.id;
+      for (const std::int32_t keypoint : {observation.left, observation.right}) {
+        if (keypoint < 0 || static_cast<std::size_t>(keypoint) >= keyframe.features.map_points.size()) continue;
+        MapPointId& slot = keyframe.features.map_points[static_cast<std::size_t>(keypoint)];
+        if (!slot || slot == gone.id) slot = kept.id;  // who sees a third point goes on seeing it
+      }
       kept.observations.insert(
           std::ranges::lower_bound(kept.observations, observation.keyframe, {}, &Observation::keyframe), observation);
       kept.observation_count += ObservationWeight(keyframe, observation);
@@ -256,8 +259,9 @@ class Fuser {
   std::vector<std::uint32_t> survivor_;  // by point row: the point it went into, or kNoRow
 };
 
-// Landmarks that stand for points which went into others stand for these.
-void FollowFused(const FuseReport& fused, Map& map) {
+}  // namespace
+
+void detail::FollowFusedPoints(const FuseReport& fused, Map& map) {
   std::vector<Landmark> moved;
   std::erase_if(map.landmarks, [&](Landmark& landmark) {
     const MapPointId id(landmark.id.value());
@@ -270,8 +274,6 @@ void FollowFused(const FuseReport& fused, Map& map) {
   TakeLandmarks(map.landmarks, moved);
 }
 
-}  // namespace
-
 FuseReport FusePoints(Map& map, std::size_t second, const FuseOptions& options) {
   FuseReport report = Fuser(map, second, options).Run();
   detail::Steps(options.progress, "fusing points", 1).Next();
@@ -282,7 +284,7 @@ FuseReport FusePairs(Map& map, std::vector<std::pair<MapPointId, MapPointId>> pa
   FuseOptions options;
   options.known = std::move(pairs);
   FuseReport report = Fuser(map, map.points.size(), options).Run();
-  FollowFused(report, map);
+  detail::FollowFusedPoints(report, map);
   return report;
 }
 

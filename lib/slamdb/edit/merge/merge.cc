@@ -8,7 +8,6 @@
 #include "slamdb/edit/merge/merge.h"
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 #include <set>
 
@@ -18,14 +17,13 @@
 #include "slamdb/base/error.h"
 #include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/edit/merge/detail/mixture.h"
+#include "slamdb/edit/merge/detail/same_camera.h"
 #include "slamdb/model/counters.h"
 #include "slamdb/model/detail/carried_members.h"
 #include "slamdb/model/detail/irregular_entries.h"
 
 namespace slamdb {
 namespace {
-
-constexpr float kSameParameter = 1e-6F;
 
 template <class Value>
 using ByKind = std::array<Value, kIdKinds>;
@@ -97,14 +95,6 @@ struct Shift {
     return id < limits[Row(kind)] ? id + offsets[Row(kind)] : id;
   }
 };
-
-// ---- cameras
-
-bool IsSame(const Camera& a, const Camera& b) {
-  const auto close = [](float x, float y) { return std::abs(x - y) <= kSameParameter; };
-  return a.model == b.model && std::ranges::equal(a.parameters, b.parameters, close) &&
-         (a.model != CameraModel::kKannalaBrandt8 || close(a.precision, b.precision));
-}
 
 // ---- the merge
 
@@ -277,7 +267,8 @@ class Merger {
     const std::size_t earlier = cameras.size();
     for (Camera& camera : input.cameras) {
       const auto end = cameras.begin() + static_cast<std::ptrdiff_t>(earlier);
-      const auto same = std::find_if(cameras.begin(), end, [&](const Camera& other) { return IsSame(other, camera); });
+      const auto same =
+          std::find_if(cameras.begin(), end, [&](const Camera& other) { return detail::IsSameCamera(other, camera); });
       const std::uint64_t before = camera.id.value();
       if (same != end) {
         ++report().inputs[i].unified_cameras;

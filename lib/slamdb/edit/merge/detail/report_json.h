@@ -3,6 +3,7 @@
 
 #include "slamdb/base/detail/json.h"
 #include "slamdb/edit/merge/merge.h"
+#include "slamdb/edit/merge/three_way.h"
 
 namespace slamdb::detail {
 
@@ -10,5 +11,6 @@ namespace slamdb::detail {
 Json MergeJson(const MergeReport& report, const std::string& output);
 Json JoinJson(const JoinReport& join);
 Json FuseJson(const FuseReport& fused);
+Json ThreeWayJson(const ThreeWayReport& report, const std::string& output);
 
 }  // namespace slamdb::detail

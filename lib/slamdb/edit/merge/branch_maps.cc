@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/merge/detail/branch_maps.h"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/union_find.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/frame/transform.h"
+#include "slamdb/edit/merge/detail/branch_geometry.h"
+#include "slamdb/edit/merge/detail/mixture.h"
+#include "slamdb/model/index.h"
+
+namespace slamdb::detail {
+namespace {
+
+constexpr std::size_t kAtlases = 3;
+
+std::array<const Atlas*, kAtlases> AtlasesOf(const Branches& branches) {
+  return {&branches.base, &branches.ours, &branches.theirs};
+}
+
+// The maps of all three one behind the other.
+class Maps {
+ public:
+  explicit Maps(const Branches& branches) {
+    for (const Atlas* atlas : AtlasesOf(branches)) {
+      begins_.push_back(maps_.size());
+      for (const Map& map : atlas->maps) maps_.push_back(&map);
+    }
+    begins_.push_back(maps_.size());
+  }
+
+  std::size_t size() const { return maps_.size(); }
+  const Map& operator[](std::size_t number) const { return *maps_[number]; }
+  std::size_t AtlasOf(std::size_t number) const {
+    std::size_t atlas = 0;
+    while (number >= begins_[atlas + 1]) ++atlas;
+    return atlas;
+  }
+  std::uint32_t RowOf(std::size_t number) const {
+    return static_cast<std::uint32_t>(number - begins_[AtlasOf(number)]);
+  }
+
+ private:
+  std::vector<const Map*> maps_;
+  std::vector<std::size_t> begins_;
+};
+
+// Of an atlas: which of its maps has what is in a map of an earlier one.
+using Partner = std::unordered_map<std::size_t, std::uint32_t>;  // number of the earlier one -> number
+
+void RefuseSplit(const Maps& maps, std::size_t earlier, std::uint32_t first, std::uint32_t second,
+                 const std::array<std::string, 3>& names) {
+  throw Error(ErrorKind::kNotPossible,
+              Concat(names[maps.AtlasOf(first)], ": ", ToString(maps[earlier].id), " of ", names[maps.AtlasOf(earlier)],
+                     " is split there, into ", ToString(maps[first].id), " and ", ToString(maps[second].id),
+                     "; join these two first (`JoinMaps`), or merge with an atlas from before the split"));
+}
+
+std::vector<std::vector<std::uint32_t>> SetsOf(const Maps& maps, UnionFind& sets) {
+  std::vector<std::vector<std::uint32_t>> members(maps.size());
+  for (std::uint32_t number = 0; number < maps.size(); ++number) members[sets.Root(number)].push_back(number);
+  return members;
+}
+
+template <class Entity>
+void Append(std::vector<Entity>& from, std::vector<Entity>& to) {
+  std::ranges::move(from, std::back_inserter(to));
+}
+template <class Entity>
+void Append(Column<Entity>& from, Column<Entity>& to) {
+  to.reserve(to.size() + from.size());
+  std::ranges::move(from, std::back_inserter(to));
+}
+
+void Absorb(Map& from, Map& into) {
+  Append(from.keyframes, into.keyframes);
+  Append(from.points, into.points);
+  Append(from.landmarks, into.landmarks);
+  Append(from.origins, into.origins);
+  into.max_keyframe_id = std::max(into.max_keyframe_id, from.max_keyframe_id);
+  into.lowest_keyframe = std::min(into.lowest_keyframe, from.lowest_keyframe);
+  into.big_change_index = std::max(into.big_change_index, from.big_change_index);
+  for (const auto flag : {&Map::imu_initialized, &Map::inertial, &Map::imu_ba1, &Map::imu_ba2})
+    into.*flag = into.*flag && from.*flag;
+  from = {};
+}
+
+}  // namespace
+
+std::vector<MapGroup> GroupMaps(const Branches& branches, const std::array<std::string, 3>& names) {
+  const Maps maps(branches);
+  UnionFind sets(maps.size());
+  std::unordered_map<std::uint64_t, std::uint32_t> owner;  // of a keyframe: the number of the first map that has it
+  std::array<Partner, kAtlases> partners;
+  for (std::uint32_t number = 0; number < maps.size(); ++number)
+    for (const KeyFrame& keyframe : maps[number].keyframes) {
+      const auto [first, is_new] = owner.emplace(keyframe.id.value(), number);
+      if (is_new) continue;
+      sets.Join(first->second, number);
+      if (maps.AtlasOf(first->second) != 0) continue;  // what both made may be joined by either
+      const auto [partner, alone] = partners[maps.AtlasOf(number)].emplace(first->second, number);
+      if (!alone && partner->second != number) RefuseSplit(maps, first->second, partner->second, number, names);
+    }
+  std::unordered_map<std::uint64_t, std::uint32_t> without_keyframes;  // by id
+  for (std::uint32_t number = 0; number < maps.size(); ++number)
+    if (maps[number].keyframes.empty())
+      sets.Join(without_keyframes.emplace(maps[number].id.value(), number).first->second, number);
+  std::vector<MapGroup> groups;
+  for (const std::vector<std::uint32_t>& members : SetsOf(maps, sets)) {
+    if (members.empty()) continue;
+    MapGroup& group = groups.emplace_back();
+    std::vector<std::uint32_t>* rows[] = {&group.base, &group.ours, &group.theirs};
+    for (const std::uint32_t number : members) rows[maps.AtlasOf(number)]->push_back(maps.RowOf(number));
+  }
+  std::ranges::sort(groups, {}, [](const MapGroup& group) {
+    const auto first = [](const std::vector<std::uint32_t>& rows) { return rows.empty() ? kNoRow : rows.front(); };
+    return std::tuple(first(group.ours), first(group.theirs), first(group.base));
+  });
+  return groups;
+}
+
+void LayTogether(Branches& branches, const MapGroup& group, int threads) {
+  std::vector<Map*> maps;
+  const std::pair<Atlas*, const std::vector<std::uint32_t>*> sides[] = {
+      {&branches.ours, &group.ours}, {&branches.theirs, &group.theirs}, {&branches.base, &group.base}};
+  for (const auto& [atlas, rows] : sides)
+    for (const std::uint32_t row : *rows) maps.push_back(&atlas->maps[row]);
+  // The frame is that of a side which is one map, ours before theirs.
+  const std::size_t root = group.ours.size() != 1 && group.theirs.size() == 1 ? group.ours.size() : 0;
+  std::vector<std::optional<Similarity3d>> frames(maps.size());
+  frames[root] = Similarity3d();
+  std::vector<std::size_t> open = {root};
+  while (!open.empty()) {
+    const std::size_t at = open.back();
+    open.pop_back();
+    for (std::size_t next = 0; next < maps.size(); ++next) {
+      if (frames[next]) continue;
+      const bool with_scale = HasArbitraryScale(*maps[at]) || HasArbitraryScale(*maps[next]);
+      const auto motion = MeanMotion(*maps[at], *maps[next], with_scale);
+      if (!motion) continue;
+      frames[next] = *frames[at] * *motion;
+      open.push_back(next);
+    }
+  }
+  for (std::size_t i = 0; i < maps.size(); ++i)
+    if (frames[i]) TransformMap(*maps[i], *frames[i], threads);
+  for (const auto& [atlas, rows] : sides)
+    for (std::size_t i = 1; i < rows->size(); ++i) Absorb(atlas->maps[(*rows)[i]], atlas->maps[rows->front()]);
+}
+
+}  // namespace slamdb::detail

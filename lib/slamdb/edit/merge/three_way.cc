@@ -1,0 +1,501 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 1. A side that is the base, or the other side, leaves nothing to do.
+// 2. What is one thing gets one id, and what is in each atlas is written down.
+// 3. Maps are grouped by what they share. Of each group the sides are bent onto each other, their structures merged,
+// and
+//    new points at one place fused.
+// 4. What is around the maps is merged, and the result held against what was written down.
+#include "slamdb/edit/merge/three_way.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/steps.h"
+#include "slamdb/base/error.h"
+#include "slamdb/edit/frame/transform.h"
+#include "slamdb/edit/merge/detail/branch_geometry.h"
+#include "slamdb/edit/merge/detail/branch_ids.h"
+#include "slamdb/edit/merge/detail/branch_maps.h"
+#include "slamdb/edit/merge/detail/branch_proof.h"
+#include "slamdb/edit/merge/detail/branch_structure.h"
+#include "slamdb/edit/merge/detail/fused_landmarks.h"
+#include "slamdb/edit/merge/detail/mixture.h"
+#include "slamdb/edit/merge/detail/three_ways.h"
+#include "slamdb/model/counters.h"
+#include "slamdb/model/detail/carried_members.h"
+#include "slamdb/model/detail/irregular_entries.h"
+#include "slamdb/model/digest.h"
+
+namespace slamdb {
+namespace {
+
+using detail::MapGroup;
+
+constexpr std::array<std::string_view, 2> kSides = {"ours", "theirs"};
+constexpr std::array<std::string_view, 4> kGeometries = {"ours", "theirs", "align", "optimize"};
+
+// By row: whether a point is elsewhere than in the base, or not in it.
+std::vector<std::uint8_t> MovedPoints(const Map* base, const Map& side) {
+  std::vector<std::uint8_t> moved(side.points.size(), 1);
+  if (base == nullptr) return moved;
+  const IdTable rows = PointTable(*base);
+  for (std::size_t row = 0; row < moved.size(); ++row)
+    if (const std::uint32_t before = rows.Find(side.points[row].id.value()); before != kNoRow)
+      moved[row] = base->points[before].position != side.points[row].position;
+  return moved;
+}
+
+class ThreeWayMerger {
+ public:
+  ThreeWayMerger(detail::Branches branches, const ThreeWayOptions& options)
+      : branches_(std::move(branches)), options_(options) {
+    report().names = options.names;
+    report().geometry = options.geometry;
+  }
+
+  ThreeWayResult Run() {
+    Count();
+    if (IsTrivial()) return std::move(result_);
+    detail::Steps steps(options_.progress, "merging", 4);
+    Prepare();
+    CompareVocabularies();
+    CompareLayouts();
+    const detail::UnifiedIds ids = detail::UnifyIds(branches_, options_.names, options_.threads);
+    report().shift = ids.shift;
+    report().other_images = ids.other_images;
+    steps.Next();
+    const detail::Inventory base(branches_.base), ours(branches_.ours), theirs(branches_.theirs);
+    base_index_.emplace(branches_.base);
+    classes_ = detail::PointClasses(*base_index_, AtlasIndex(branches_.ours), AtlasIndex(branches_.theirs));
+    report().fused = classes_.Gone();
+    our_maps_ = IdsOfMaps(branches_.ours);
+    for (const MapGroup& group : detail::GroupMaps(branches_, options_.names)) MergeGroup(group);
+    steps.Next();
+    Assemble();
+    steps.Next();
+    const detail::Inventory result(result_.atlas);
+    detail::Prove(base, ours, theirs, result, cleared_, report());
+    if (options_.id_maps) RecordIds(ids, ours, result);
+    report().result = CountContent(result_.atlas, options_.threads);
+    steps.Next();
+    return std::move(result_);
+  }
+
+ private:
+  struct Part {  // a map of the result
+    std::uint64_t order = 0;
+    Map map;
+  };
+
+  ThreeWayReport& report() { return result_.report; }
+
+  // ---- before
+
+  void Count() {
+    const Atlas* atlases[] = {&branches_.base, &branches_.ours, &branches_.theirs};
+    for (std::size_t i = 0; i < 3; ++i) report().counts[i] = CountContent(*atlases[i], options_.threads);
+  }
+
+  // Whether the result is one side as it is.
+  bool IsTrivial() {
+    const std::uint64_t base = HashWithoutEncoding(branches_.base, options_.threads),
+                        ours = HashWithoutEncoding(branches_.ours, options_.threads),
+                        theirs = HashWithoutEncoding(branches_.theirs, options_.threads);
+    report().same = ours == theirs;
+    if (!report().same && base == theirs) report().unchanged = BranchSide::kTheirs;
+    if (!report().same && base == ours) report().unchanged = BranchSide::kOurs;
+    if (!report().same && !report().unchanged) report().contains = detail::FindContaining(branches_, options_.threads);
+    if (!report().same && !report().unchanged && !report().contains) return false;
+    const bool is_theirs = report().unchanged == BranchSide::kOurs || report().contains == BranchSide::kTheirs;
+    result_.atlas = is_theirs ? branches_.theirs : branches_.ours;
+    report().result = report().counts[is_theirs ? 2 : 1];
+    if (options_.id_maps) RecordTrivialIds(is_theirs);
+    return true;
+  }
+
+  // Where everything of the two sides is in the one that is the result.
+  void RecordTrivialIds(bool is_theirs) {
+    if (is_theirs) {
+      std::swap(branches_.ours, branches_.theirs);
+      std::swap(report().names[1], report().names[2]);
+    }
+    Prepare();
+    const detail::UnifiedIds ids = detail::UnifyIds(branches_, report().names, options_.threads);
+    report().fused =
+        detail::PointClasses(AtlasIndex(branches_.base), AtlasIndex(branches_.ours), AtlasIndex(branches_.theirs))
+            .Gone();
+    our_maps_ = IdsOfMaps(branches_.ours);
+    for (const MapGroup& group : detail::GroupMaps(branches_, report().names)) {
+      for (const std::uint32_t row : group.ours) map_of_ours_.emplace(our_maps_[row].value(), our_maps_[row]);
+      for (const std::uint32_t row : group.theirs)
+        if (!group.ours.empty())
+          map_of_theirs_.emplace(branches_.theirs.maps[row].id.value(), our_maps_[group.ours.front()]);
+    }
+    const detail::Inventory ours(branches_.ours);
+    RecordIds(ids, ours, ours);
+    report().fused.clear();
+    if (is_theirs) {
+      std::swap(report().names[1], report().names[2]);
+      std::swap(report().id_maps[0], report().id_maps[1]);
+    }
+  }
+
+  void Prepare() {
+    Atlas* atlases[] = {&branches_.base, &branches_.ours, &branches_.theirs};
+    for (std::size_t i = 0; i < 3; ++i) {
+      report().dropped_list_entries += detail::DropIrregularEntries(*atlases[i]);
+      RefuseAmbiguous(*atlases[i], options_.names[i]);
+      RaiseCounters(*atlases[i]);
+    }
+    if (std::ranges::all_of(branches_.base.maps, [](const Map& map) { return map.keyframes.empty(); }))
+      throw Error(ErrorKind::kNotPossible, options_.names[0] +
+                                               ": has no keyframes, so nothing tells what both sides "
+                                               "have in common; `MergeAtlases` brings them together");
+  }
+
+  static void RefuseAmbiguous(const Atlas& atlas, const std::string& name) {
+    const AtlasIndex index(atlas);
+    const auto refuse = [&](std::string_view what) {
+      throw Error(ErrorKind::kNotPossible, name + ": " + std::string(what) +
+                                               ", so it cannot be told which is meant; `CheckAtlas` lists them, "
+                                               "`RepairAtlas` gives them others");
+    };
+    if (!index.duplicate_keyframes().empty() || !index.duplicate_points().empty() || !index.duplicate_maps().empty() ||
+        !index.duplicate_cameras().empty())
+      refuse("ids are there more than once");
+    for (const Map& map : atlas.maps)
+      if (!map.id || std::ranges::any_of(map.keyframes, [](const KeyFrame& each) { return !each.id; }) ||
+          std::ranges::any_of(map.points, [](const MapPoint& each) { return !each.id; }))
+        refuse("something has no id");
+  }
+
+  void CompareVocabularies() {
+    const Vocabulary &base = branches_.base.vocabulary, &ours = branches_.ours.vocabulary,
+                     &theirs = branches_.theirs.vocabulary;
+    if (ours.checksum == theirs.checksum) return;
+    if (!options_.ignore_vocabulary)
+      throw Error(ErrorKind::kNotPossible,
+                  options_.names[2] + ": its bags of words are of vocabulary '" + theirs.name + "' (MD5 " +
+                      theirs.checksum + "), those of " + options_.names[1] + " of '" + ours.name + "' (" +
+                      ours.checksum + "); recompute the bags of words of one; MergeOptions::force merges all the same");
+    const bool is_ours = base.checksum != ours.checksum || base.checksum == theirs.checksum;
+    if (!is_ours) branches_.ours.vocabulary = theirs;
+    report().warnings.push_back(options_.names[is_ours ? 2 : 1] +
+                                ": its bags of words are of another vocabulary; compute them anew before place "
+                                "recognition");
+  }
+
+  // Members of a fork mean something in their own layout only.
+  void CompareLayouts() {
+    for (Atlas* atlas : {&branches_.base, &branches_.theirs}) {
+      if (atlas->layout == branches_.ours.layout) continue;
+      detail::ForEachCarried(*atlas, [&](Boxed<Carried>& carried) {
+        if (!detail::HasMembers(carried)) return;
+        report().dropped_members += atlas == &branches_.theirs;
+        carried.Make().members.clear();
+        if (carried->empty()) carried.Reset();
+      });
+    }
+  }
+
+  static std::vector<MapId> IdsOfMaps(const Atlas& atlas) {
+    std::vector<MapId> ids;
+    for (const Map& map : atlas.maps) ids.push_back(map.id);
+    return ids;
+  }
+
+  // ---- maps
+
+  void MergeGroup(const MapGroup& group) {
+    const auto ids = [](const Atlas& atlas, const std::vector<std::uint32_t>& rows) {
+      std::vector<MapId> list;
+      for (const std::uint32_t row : rows) list.push_back(atlas.maps[row].id);
+      return list;
+    };
+    MergedBranchMap merged{.map = {},
+                           .base = ids(branches_.base, group.base),
+                           .ours = ids(branches_.ours, group.ours),
+                           .theirs = ids(branches_.theirs, group.theirs)};
+    if (group.ours.empty() && group.theirs.empty()) return;
+    if (group.ours.empty() || group.theirs.empty()) return TakeWhole(group);
+    if (group.IsJoined()) detail::LayTogether(branches_, group, options_.threads);
+    const Map* base = group.base.empty() ? nullptr : &branches_.base.maps[group.base.front()];
+    Map &ours = branches_.ours.maps[group.ours.front()], &theirs = branches_.theirs.maps[group.theirs.front()];
+    const MapId before = base ? base->id : MapId();
+    const MapId id =
+        detail::PickOf(base ? &before : nullptr, ours.id, theirs.id) == detail::Pick::kTheirs ? theirs.id : ours.id;
+    if (ours.keyframes.empty() && theirs.keyframes.empty())
+      MergeWithoutKeyFrames(base, ours, theirs);
+    else
+      MergeMap(group, merged);
+    for (const MapId mine : merged.ours) map_of_ours_.emplace(mine.value(), id);
+    for (const MapId other : merged.theirs) map_of_theirs_.emplace(other.value(), id);
+    ours.id = merged.map = id;
+    if (merged.motion_of_ours.common + merged.motion_of_theirs.common > 0) report().maps.push_back(std::move(merged));
+    parts_.push_back({group.ours.front(), std::move(ours)});
+  }
+
+  // What one side made, or deleted while the other went on with it, or not.
+  void TakeWhole(const MapGroup& group) {
+    const bool is_ours = !group.ours.empty();
+    Atlas& atlas = is_ours ? branches_.ours : branches_.theirs;
+    for (const std::uint32_t row : is_ours ? group.ours : group.theirs) {
+      Map& map = atlas.maps[row];
+      if (!group.base.empty()) {
+        if (!IsExtended(map)) continue;
+        report().conflicts.push_back({{.map = map.id}, "deletion", is_ours ? BranchSide::kOurs : BranchSide::kTheirs});
+      }
+      took_any_ = took_any_ || !is_ours;
+      const std::uint64_t before = map.id.value();
+      if (!is_ours) map.id = FreeMapId(map.id);
+      (is_ours ? map_of_ours_ : map_of_theirs_).emplace(before, map.id);
+      parts_.push_back({(is_ours ? 0 : branches_.ours.maps.size()) + row, std::move(map)});
+    }
+  }
+
+  // The id of a map of theirs itself where ours has none of it.
+  MapId FreeMapId(MapId id) {
+    if (map_ids_.empty())
+      for (const MapId taken : our_maps_) map_ids_.insert(taken.value());
+    if (map_ids_.insert(id.value()).second) return id;
+    const std::uint64_t shift = report().shift[static_cast<std::size_t>(IdKind::kMap)];
+    std::uint64_t free = std::max(branches_.ours.next_ids.map, branches_.theirs.next_ids.map + shift);
+    while (!map_ids_.insert(free).second) ++free;
+    return MapId(free);
+  }
+
+  // Whether a map of the base has keyframes or observations that the base has not.
+  bool IsExtended(const Map& map) const {
+    return std::ranges::any_of(map.keyframes, [&](const KeyFrame& keyframe) {
+      const EntityRow place = base_index_->LocateKeyFrame(keyframe.id);
+      if (!place) return true;
+      const Column<MapPointId>& now = keyframe.features.map_points;
+      const Column<MapPointId>& before = branches_.base.maps[place.map].keyframes[place.row].features.map_points;
+      for (std::size_t slot = 0; slot < now.size(); ++slot)
+        if (now[slot] && (slot >= before.size() || classes_.Of(now[slot]) != classes_.Of(before[slot]))) return true;
+      return false;
+    });
+  }
+
+  // Clouds and landmarks, of which nothing but ids tells what is what.
+  void MergeWithoutKeyFrames(const Map* base, Map& ours, Map& theirs) {
+    if (ours.points.empty() && theirs.points.empty()) {
+      const detail::StructureReport merged =
+          detail::MergeStructure(base, ours, theirs, classes_, {}, {}, StructureOptionsOf(false));
+      took_any_ = took_any_ || merged.took_any;
+      return;
+    }
+    const auto hash = [](const Map& map) {
+      Atlas alone;
+      alone.maps.push_back(map);
+      alone.maps.front().id = MapId();
+      return HashOf(alone);
+    };
+    const std::uint64_t our_hash = hash(ours), their_hash = hash(theirs);
+    const std::uint64_t base_hash = base ? hash(*base) : 0;
+    switch (detail::PickOf(base ? &base_hash : nullptr, our_hash, their_hash)) {
+      case detail::Pick::kOurs:
+        return;
+      case detail::Pick::kTheirs:
+        took_any_ = true;
+        ours = std::move(theirs);
+        return;
+      case detail::Pick::kConflict:
+        throw Error(ErrorKind::kNotPossible,
+                    ToString(ours.id) +
+                        " has points and no keyframes, and both sides changed it, so nothing tells "
+                        "which point is which; `Extract` leaves it out");
+    }
+  }
+
+  detail::StructureOptions StructureOptionsOf(bool flags_of_ours) const {
+    return {.prefer = options_.prefer,
+            .geometry = options_.geometry,
+            .flags_of_ours = flags_of_ours,
+            .threads = options_.threads};
+  }
+
+  void MergeMap(const MapGroup& group, MergedBranchMap& merged) {
+    Map* base = group.base.empty() ? nullptr : &branches_.base.maps[group.base.front()];
+    Map &ours = branches_.ours.maps[group.ours.front()], &theirs = branches_.theirs.maps[group.theirs.front()];
+    const bool flags_of_ours = !group.IsJoined() && ChooseFrame(base, ours, theirs, merged);
+    const std::vector<std::uint8_t> moved_by_ours = MovedPoints(base, ours),
+                                    moved_by_theirs = MovedPoints(base, theirs);
+    BendSides(base, ours, theirs, merged);
+    detail::StructureReport structure = detail::MergeStructure(base, ours, theirs, classes_, moved_by_ours,
+                                                               moved_by_theirs, StructureOptionsOf(flags_of_ours));
+    took_any_ = took_any_ || structure.took_any;
+    report().dangling += structure.dangling;
+    merged.recounted = structure.recounted;
+    std::ranges::move(structure.conflicts, std::back_inserter(report().conflicts));
+    Fuse(structure, ours, merged);
+  }
+
+  // A side that lies in another frame than the base, or has another unit, keeps both: the others are moved there as a
+  // whole. Returns whether flags of the IMU are those of ours though theirs changed them, because its frame is not
+  // kept.
+  bool ChooseFrame(Map* base, Map& ours, Map& theirs, MergedBranchMap& merged) {
+    const auto motion = [&](const Map& target, const Map& source) -> std::optional<Similarity3d> {
+      const bool with_scale = detail::HasArbitraryScale(target) || detail::HasArbitraryScale(source);
+      const auto mean = detail::MeanMotion(target, source, with_scale);
+      return mean && detail::IsAnotherFrame(*mean, source) ? mean : std::nullopt;
+    };
+    if (!motion(ours, theirs)) return false;
+    const bool ours_left = base && motion(ours, *base), theirs_left = base && motion(theirs, *base);
+    const bool to_theirs =
+        options_.geometry == BranchGeometry::kTheirs || (options_.geometry != BranchGeometry::kOurs && theirs_left &&
+                                                         (!ours_left || options_.prefer == BranchSide::kTheirs));
+    Map &target = to_theirs ? theirs : ours, &source = to_theirs ? ours : theirs;
+    (to_theirs ? merged.motion_of_ours : merged.motion_of_theirs).another_frame = true;
+    const Similarity3d moved = *motion(target, source);
+    for (std::string& warning : TransformWarnings(source, moved)) report().warnings.push_back(std::move(warning));
+    TransformMap(source, moved, options_.threads);
+    if (base != nullptr)
+      if (const auto of_base = motion(target, *base)) TransformMap(*base, *of_base, options_.threads);
+    return !to_theirs && theirs_left;
+  }
+
+  void BendSides(const Map* base, Map& ours, Map& theirs, MergedBranchMap& merged) {
+    const auto bend = [&](const detail::Targets& targets, Map& map, BranchMotion& motion) {
+      const bool another_frame = motion.another_frame;
+      motion = detail::Bend(targets, options_.threads, map);
+      motion.another_frame = another_frame;
+    };
+    if (options_.geometry == BranchGeometry::kOurs)
+      return bend(detail::PosesOf(ours, theirs), theirs, merged.motion_of_theirs);
+    if (options_.geometry == BranchGeometry::kTheirs)
+      return bend(detail::PosesOf(theirs, ours), ours, merged.motion_of_ours);
+    const detail::Reconciled poses = detail::Reconcile(base, ours, theirs);
+    bend(poses.ours, ours, merged.motion_of_ours);
+    bend(poses.theirs, theirs, merged.motion_of_theirs);
+  }
+
+  void Fuse(const detail::StructureReport& structure, Map& map, MergedBranchMap& merged) {
+    if (!options_.fuse || (structure.own_points >= map.points.size() && structure.coincide.empty())) return;
+    FuseOptions fuse = *options_.fuse;
+    fuse.known.insert(fuse.known.end(), structure.coincide.begin(), structure.coincide.end());
+    fuse.threads = options_.threads;
+    const FuseReport fused = FusePoints(map, structure.own_points, fuse);
+    detail::FollowFusedPoints(fused, map);
+    cleared_ += fused.cleared_slots;
+    report().fused.insert(report().fused.end(), fused.replaced.begin(), fused.replaced.end());
+    merged.fused = fused;
+  }
+
+  // ---- what is around the maps
+
+  void Assemble() {
+    std::ranges::stable_sort(parts_, {}, &Part::order);
+    Atlas &atlas = result_.atlas, &ours = branches_.ours, &theirs = branches_.theirs;
+    std::vector<Map> maps;
+    for (Part& part : parts_) maps.push_back(std::move(part.map));
+    ours.maps = std::move(maps);
+    atlas = std::move(ours);
+    MergeCameras(theirs.cameras);
+    if (took_any_)
+      for (const CounterField& counter : CounterFields()) {
+        std::uint64_t& next = atlas.next_ids.*counter.field;
+        next = std::max(next, theirs.next_ids.*counter.field + report().shift[static_cast<std::size_t>(counter.kind)]);
+      }
+    RaiseCounters(atlas);
+    std::ranges::sort(report().fused);
+  }
+
+  // Those of ours, and of theirs those that are used or new.
+  void MergeCameras(std::vector<Camera>& theirs) {
+    std::unordered_set<std::uint64_t> known, used, old;
+    for (const Camera& camera : branches_.base.cameras) old.insert(camera.id.value());
+    std::vector<Camera>& cameras = result_.atlas.cameras;
+    for (const Camera& camera : cameras) known.insert(camera.id.value());
+    for (const Map& map : result_.atlas.maps)
+      for (const KeyFrame& keyframe : map.keyframes)
+        used.insert({keyframe.camera.value(), keyframe.right_camera.value()});
+    for (Camera& camera : theirs) {
+      const std::uint64_t id = camera.id.value();
+      if (known.contains(id) || (old.contains(id) && !used.contains(id))) continue;
+      cameras.push_back(std::move(camera));
+      took_any_ = true;
+    }
+  }
+
+  void RecordIds(const detail::UnifiedIds& unified, const detail::Inventory& ours, const detail::Inventory& result) {
+    const auto is_keyframe = [&](std::uint64_t id) {
+      return std::ranges::binary_search(result.keyframes, id, {}, [](const auto& each) { return each.first; });
+    };
+    const auto map_of = [](const auto& maps, std::uint64_t id) {
+      const auto found = maps.find(id);
+      return found == maps.end() ? kNoId : found->second.value();
+    };
+    IdMap mine{.input = report().names[1]}, other{.input = report().names[2]};
+    for (const MapId map : our_maps_) mine[IdKind::kMap].push_back({map.value(), map_of(map_of_ours_, map.value())});
+    for (const auto& [id, features] : ours.keyframes)
+      mine[IdKind::kKeyFrame].push_back({id, is_keyframe(id) ? id : kNoId});
+    for (const std::uint64_t id : ours.points) mine[IdKind::kPoint].push_back({id, SurvivorOf(id, result)});
+    other.kinds = unified.pairs;
+    for (IdPair& pair : other[IdKind::kMap]) pair.after = map_of(map_of_theirs_, pair.after);
+    for (IdPair& pair : other[IdKind::kKeyFrame])
+      if (!is_keyframe(pair.after)) pair.after = kNoId;
+    for (IdPair& pair : other[IdKind::kPoint]) pair.after = SurvivorOf(pair.after, result);
+    std::ranges::sort(mine[IdKind::kMap], {}, &IdPair::before);
+    report().id_maps = {std::move(mine), std::move(other)};
+  }
+
+  std::uint64_t SurvivorOf(std::uint64_t id, const detail::Inventory& result) const {
+    const auto& fused = result_.report.fused;
+    for (std::size_t steps = 0; steps <= fused.size(); ++steps) {
+      if (std::ranges::binary_search(result.points, id)) return id;
+      const auto found =
+          std::ranges::lower_bound(fused, MapPointId(id), {}, [](const auto& pair) { return pair.first; });
+      if (found == fused.end() || found->first != MapPointId(id)) break;
+      id = found->second.value();
+    }
+    return kNoId;
+  }
+
+  detail::Branches branches_;
+  const ThreeWayOptions& options_;
+  ThreeWayResult result_;
+  std::optional<AtlasIndex> base_index_;
+  detail::PointClasses classes_;
+  std::vector<Part> parts_;
+  std::unordered_map<std::uint64_t, MapId> map_of_ours_, map_of_theirs_;  // ids before (unified) and after
+  std::vector<MapId> our_maps_;                                           // by row, as they came
+  std::unordered_set<std::uint64_t> map_ids_;                             // of the result; filled when first needed
+  std::uint64_t cleared_ = 0;                                             // keypoints that fusing emptied
+  bool took_any_ = false;                                                 // something of theirs is in the result
+};
+
+}  // namespace
+
+std::string_view NameOf(BranchSide side) { return kSides[static_cast<std::size_t>(side)]; }
+
+std::string_view NameOf(BranchGeometry geometry) { return kGeometries[static_cast<std::size_t>(geometry)]; }
+
+std::string MessageOf(const BranchConflict& conflict) {
+  const std::string_view taken = NameOf(conflict.taken);
+  if (conflict.what == "deletion")
+    return detail::Concat("deleted by ", conflict.taken == BranchSide::kOurs ? "theirs" : "ours", ", extended by ",
+                          taken, ": kept");
+  return detail::Concat(conflict.what, ": that of ", taken, " is taken");
+}
+
+ThreeWayResult MergeThreeWays(Atlas base, Atlas ours, Atlas theirs, const ThreeWayOptions& options) {
+  return ThreeWayMerger({std::move(base), std::move(ours), std::move(theirs)}, options).Run();
+}
+
+void TellWarnings(const ThreeWayReport& report, Notices& notices) {
+  if (report.other_images > 0)
+    notices.Warn(detail::Counted(report.other_images, "keyframe") + " of a side " +
+                 (report.other_images == 1 ? "has an id" : "have ids") + " of " + report.names[0] +
+                 " and another image, and count as new");
+  if (report.dropped_members > 0)
+    notices.Lose(report.names[2] +
+                 ": the members of its fork are of another layout than those of the result, and were left out");
+  for (const std::string& warning : report.warnings) notices.Warn(warning);
+}
+
+}  // namespace slamdb
