@@ -14,6 +14,7 @@
 #include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/options.h"
 #include "slamdb/many/names.h"
 
 namespace slamdb::cli {
@@ -120,6 +121,7 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
   LoseUseToOrbslam3(atlas, *options.inputs, format, !options.target.layout.empty(), notices);
   WriteOptions write = MakeWriteOptions(console, options.target, provenance, options.wait);
   write.format = FormatToWrite(atlas, options.output, options.target.to);
+  write.of<StoreWriteOptions>().from = options.merged;
   if (beside != nullptr) write.before_commit = [beside] { beside->Commit(); };
   WriteAtlas(atlas, options.output, write, &notices);
 }

@@ -16,6 +16,7 @@
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/formats/results.h"
+#include "slamdb/formats/sqlite/revisions.h"
 #include "slamdb/model/content.h"
 
 // The frame of the verbs that change an atlas: read the input, call one function of the library, write the output, say
@@ -34,6 +35,7 @@ struct EditOptions {
   Content needs = Content::kNothing;  // of the input: see ReadOptions::needs
   bool json = false, dry_run = false;
   double wait = kUsualWait;
+  std::optional<RevisionName> merged;  // a revision of the output's store that the result was made of, too
   std::shared_ptr<InputSubstance> inputs =
       std::make_shared<InputSubstance>();  // that ReadInput has read, for WriteResult; copies share
 };

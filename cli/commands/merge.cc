@@ -2,6 +2,7 @@
 #include "slamdb/edit/merge/merge.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "cli/choices.h"
@@ -17,6 +18,8 @@
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/warnings.h"
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/sqlite/store.h"
 #include "slamdb/many/names.h"
 #include "slamdb/optimize/warnings.h"
 
@@ -28,7 +31,7 @@ struct MergeVerbOptions {
   std::vector<std::string> inputs;
   MergeOptions merge;
   std::string id_map, vocabulary;
-  bool align = false, join = false, scale = false, no_scale = false, fuse = false, no_fuse = false;
+  bool align = false, join = false, scale = false, no_scale = false, fuse = false, no_fuse = false, no_base = false;
   std::string base;
   BranchGeometry geometry = BranchGeometry::kAlign;
   BranchSide prefer = BranchSide::kOurs;
@@ -142,8 +145,51 @@ ExitCode MergeTheBranches(const MergeVerbOptions& options, Console& console) {
                     ToJson(result, FilesOf(options.edit).output), options.edit, console, notices);
 }
 
-ExitCode RunMerge(const MergeVerbOptions& options, Console& console) {
+// The store that two atlases are both in; nothing where they are not.
+std::optional<Store> StoreOfBoth(const Location& first, const Location& second, double wait) {
+  std::error_code ignored;
+  const bool same = !first.name.empty() && !second.name.empty() && HoldsNamedAtlases(first.path) &&
+                    std::filesystem::equivalent(first.path, second.path, ignored);
+  return same ? std::optional(Store::Open(first.path, wait)) : std::nullopt;
+}
+
+// Of two atlases of a store: what both come from, if its history knows it and no other base is given; and, where the
+// result goes to that store, that the second is merged into it. Returns what there is to say.
+std::string FindBranches(MergeVerbOptions& options) {
+  if (options.inputs.size() != 2 || options.join || options.align) return {};
+  const Location ours(options.inputs[0]), theirs(options.inputs[1]);
+  std::optional<Store> store = StoreOfBoth(ours, theirs, options.edit.wait);
+  if (!store) return {};
+  std::string found;
+  if (options.base.empty() && !options.no_base && !options.same_map) {
+    const std::optional<RevisionName> base = store->CommonBase(ours.name, theirs.name);
+    if (!base) return {};
+    options.base = ours.path + "#" + base->ToString();
+    found = ours.name + " and " + theirs.name + " both come from " + base->ToString() +
+            ": merged three ways; --no-base keeps their maps side by side";
+  }
+  if (!options.base.empty() && StoreOfBoth(ours, options.edit.output, options.edit.wait))
+    options.edit.merged = store->FindRevision(theirs.name);
+  return found;
+}
+
+// Options that mean nothing without others.
+void RefuseStray(const CLI::App& verb, const MergeVerbOptions& options) {
+  if (!options.base.empty()) return;
+  for (const char* option : {"--geometry", "--prefer"})
+    if (verb.count(option) > 0)
+      RefuseUsage(std::string(option) + " needs --base, or two atlases of a store that knows theirs");
+  for (const char* option : {"--fuse", "--no-fuse"})
+    if (verb.count(option) > 0 && !options.join) RefuseUsage(std::string(option) + " needs --join or --base");
+  for (const char* option : {"--fuse-radius", "--fuse-hamming"})
+    if (verb.count(option) > 0 && !options.fuse) RefuseUsage(std::string(option) + " needs --fuse or --base");
+}
+
+ExitCode RunMerge(MergeVerbOptions options, const CLI::App& verb, Console& console) {
+  const std::string found = FindBranches(options);
+  RefuseStray(verb, options);
   if (options.align || (!options.base.empty() && options.geometry == BranchGeometry::kOptimize)) GoOnWithLibraries();
+  if (!found.empty()) console.Note(found);
   if (!options.base.empty()) return MergeTheBranches(options, console);
   MergeOptions merge = options.merge;
   merge.names = DistinctNames(options.inputs);
@@ -176,14 +222,19 @@ void BindBranches(CLI::App& verb, MergeVerbOptions& options) {
                                "What both inputs were made of: their changes are merged, each thing where it changed")
                    ->type_name("FILE")
                    ->group(kGroup);
+  verb.add_flag("--no-base", options.no_base,
+                "Keep maps side by side, though both inputs are of one store that knows what they come from")
+      ->excludes(base)
+      ->group(kGroup);
   for (const char* other : {"--join", "--align", "--on-conflict"}) base->excludes(verb.get_option(other));
-  const auto needs_base = [&](CLI::Option* option) { return option->needs(base)->group(kGroup); };
-  needs_base(verb.add_option("--geometry", options.geometry,
-                             "Where that is which both have: align, what both changed, weighed, the default; ours; "
-                             "theirs; optimize, align and then the bundle adjusted"))
+  verb.add_option("--geometry", options.geometry,
+                  "Where that is which both have: align, what both changed, weighed, the default; ours; "
+                  "theirs; optimize, align and then the bundle adjusted")
+      ->group(kGroup)
       ->transform(OneOf(kBranchGeometries));
-  needs_base(verb.add_option("--prefer", options.prefer,
-                             "Whose change stands where both changed the same: ours, the default, or theirs"))
+  verb.add_option("--prefer", options.prefer,
+                  "Whose change stands where both changed the same: ours, the default, or theirs")
+      ->group(kGroup)
       ->transform(OneOf(kBranchSides));
 }
 
@@ -242,15 +293,6 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
       ->group(kGroup);
 }
 
-// Fusing is of maps that become one.
-void RefuseStrayFusing(const CLI::App& verb, const MergeVerbOptions& options) {
-  if (!options.base.empty()) return;
-  for (const char* option : {"--fuse", "--no-fuse"})
-    if (verb.count(option) > 0 && !options.join) RefuseUsage(std::string(option) + " needs --join or --base");
-  for (const char* option : {"--fuse-radius", "--fuse-hamming"})
-    if (verb.count(option) > 0 && !options.fuse) RefuseUsage(std::string(option) + " needs --fuse or --base");
-}
-
 Run AddMerge(CLI::App& verb) {
   const auto options = std::make_shared<MergeVerbOptions>();
   verb.add_option("INPUT", options->inputs, "The atlases: files, STORE.db#NAME, or - for standard input")
@@ -278,12 +320,11 @@ Run AddMerge(CLI::App& verb) {
       ->type_name("FILE");
   BindJoin(verb, *options);
   BindBranches(verb, *options);
-  verb.parse_complete_callback([options, &verb] {
-    RefuseStrayFusing(verb, *options);
+  verb.parse_complete_callback([options] {
     EditOptions& edit = options->edit;
     if (!options->inputs.empty()) edit.output = NamedOutput(options->inputs.front(), edit.output, edit.target.to);
   });
-  return [options](Console& console) { return RunMerge(*options, console); };
+  return [options, &verb](Console& console) { return RunMerge(*options, verb, console); };
 }
 
 constexpr Example kExamples[] = {
@@ -311,7 +352,8 @@ one. The next ids end up above all. What the result holds is counted and held ag
 
 With --align it finds how maps lie to each other that nobody aligned, and makes one map of those that overlap; what is not sure
 stays apart, and when nothing is sure, nothing is written. With --base the inputs are two continuations of one atlas,
-ours and theirs, which become one: what one side changed is as it has it, what both changed is a conflict, and listed.
+ours and theirs, which become one: what one side changed is as it has it, what both changed is a conflict, and listed. Of
+two atlases of a store that were branched off the base is known.
 With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
 on the first one's and a merge edge recorded, as ORB-SLAM3's own merge does. Keyframes keep their origin map. Join two at
 a time. Maps of MRPT landmarks need no transform when they are in one frame, and

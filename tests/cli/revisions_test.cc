@@ -94,5 +94,26 @@ TEST_F(Revisions, BranchesBeginAsRevisions) {
   EXPECT_EQ(RunSlamdb({"branch", At("nobody"), "b"}).exit_code, 1);
 }
 
+// What the robot did and what was done here, each a little: the merge has both, and knows what it was made of.
+TEST_F(Revisions, MergeFindsWhatBranchesComeFrom) {
+  ASSERT_EQ(RunSlamdb({"branch", At("lab"), "robot7"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"cull", At("lab"), At("lab"), "--min-observations", "3", "--overwrite"}).exit_code, 0);
+  const ProcessResult merged = RunSlamdb({"merge", At("lab"), At("robot7"), "-o", At("lab"), "--overwrite"});
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_THAT(merged.err, HasSubstr("lab and robot7 both come from lab@2: merged three ways"));
+  EXPECT_EQ(RunSlamdb({"diff", At("lab"), At("lab@-1")}).exit_code, 0) << "the branch had changed nothing";
+  EXPECT_EQ(Log("lab").back().at("from"),
+            json({{"name", "robot7"}, {"revision", 1}, {"hash", Log("robot7").back().at("hash")}}));
+  const ProcessResult again = RunSlamdb({"merge", At("lab"), At("robot7"), "-o", At("lab"), "--overwrite"});
+  EXPECT_THAT(again.err, HasSubstr("both come from robot7@1"));
+
+  const ProcessResult beside = RunSlamdb({"merge", At("lab"), At("robot7"), "-o", out_, "--no-base", "--json"});
+  EXPECT_EQ(beside.exit_code, 0) << beside.err;
+  EXPECT_EQ(json::parse(RunSlamdb({"info", out_, "--json"}).out).at("maps").size(), 2U);
+  const ProcessResult stray = RunSlamdb({"merge", osa_, osa_, "-o", out_, "--prefer", "theirs", "--overwrite"});
+  EXPECT_EQ(stray.exit_code, 2);
+  EXPECT_THAT(stray.err, HasSubstr("--prefer needs --base"));
+}
+
 }  // namespace
 }  // namespace slamdb::testing
