@@ -13,6 +13,7 @@
 #include "cli/report/merge_text.h"
 #include "cli/values.h"
 #include "slamdb/align/merge_branches.h"
+#include "slamdb/base/detail/run_files.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/similarity_text.h"
@@ -153,23 +154,33 @@ std::optional<Store> StoreOfBoth(const Location& first, const Location& second, 
   return same ? std::optional(Store::Open(first.path, wait)) : std::nullopt;
 }
 
-// Of two atlases of a store: what both come from, if its history knows it and no other base is given; and, where the
-// result goes to that store, that the second is merged into it. Returns what there is to say.
+// Of two atlases of a store: what both come from, if its history knows it and no other base is given; where the result
+// goes to that store, that the second is merged into it; and where it goes nowhere else, that it is the next revision
+// of the first. Returns what there is to say.
 std::string FindBranches(MergeVerbOptions& options) {
-  if (options.inputs.size() != 2 || options.join || options.align) return {};
+  if (options.inputs.size() != 2 || options.join || options.align || options.no_base) return {};
   const Location ours(options.inputs[0]), theirs(options.inputs[1]);
   std::optional<Store> store = StoreOfBoth(ours, theirs, options.edit.wait);
   if (!store) return {};
+  const RevisionName our_revision = store->FindRevision(ours.name), their_revision = store->FindRevision(theirs.name);
   std::string found;
-  if (options.base.empty() && !options.no_base && !options.same_map) {
+  if (options.base.empty() && !options.same_map) {
     const std::optional<RevisionName> base = store->CommonBase(ours.name, theirs.name);
     if (!base) return {};
     options.base = ours.path + "#" + base->ToString();
     found = ours.name + " and " + theirs.name + " both come from " + base->ToString() +
             ": merged three ways; --no-base keeps their maps side by side";
   }
-  if (!options.base.empty() && StoreOfBoth(ours, options.edit.output, options.edit.wait))
-    options.edit.merged = store->FindRevision(theirs.name);
+  if (options.base.empty()) return {};
+  EditOptions& edit = options.edit;
+  if (edit.output.empty() && !edit.dry_run) {
+    edit.output = ours.path + "#" + our_revision.atlas;
+    edit.target.overwrite = true;
+  }
+  if (StoreOfBoth(ours, edit.output, edit.wait)) edit.merged = their_revision;
+  for (const auto& [input, revision] : {std::pair(ours, our_revision), std::pair(theirs, their_revision)})
+    detail::EnterRevision(input.path, input.name, revision.ToString());
+  options.inputs = {ours.path + "#" + our_revision.ToString(), theirs.path + "#" + their_revision.ToString()};
   return found;
 }
 
@@ -353,7 +364,8 @@ one. The next ids end up above all. What the result holds is counted and held ag
 With --align it finds how maps lie to each other that nobody aligned, and makes one map of those that overlap; what is not sure
 stays apart, and when nothing is sure, nothing is written. With --base the inputs are two continuations of one atlas,
 ours and theirs, which become one: what one side changed is as it has it, what both changed is a conflict, and listed. Of
-two atlases of a store that were branched off the base is known.
+two atlases of a store of which one was branched off the other the base is known, and without --output the result is the
+next revision of the first.
 With --join two maps become one: the second is moved by --transform, or by what --anchors solve, its spanning tree is hung
 on the first one's and a merge edge recorded, as ORB-SLAM3's own merge does. Keyframes keep their origin map. Join two at
 a time. Maps of MRPT landmarks need no transform when they are in one frame, and

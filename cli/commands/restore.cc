@@ -26,8 +26,8 @@ Run AddRestore(CLI::App& verb) {
 }
 
 constexpr Example kExamples[] = {
-    {"slamdb restore lab.db#session_a@1", "Makes the first revision the newest again."},
-    {"slamdb restore lab.db#session_a@-1", "Takes the last save back."},
+    {"slamdb restore fleet.db#robot7@1", "Makes the first revision the newest again."},
+    {"slamdb restore fleet.db#robot7@-1", "Takes the last save back."},
 };
 
 }  // namespace

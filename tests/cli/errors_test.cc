@@ -218,7 +218,7 @@ TEST(Usage, IsSaidInOneWay) {
       {{"convert", kTiny, "a.x", "--to", "stella_vslam"}, "unknown format 'stella_vslam'; what it reads is stella"},
       {{"convert", kTiny, "a.x", "--to", "colmap-bin"}, "unknown format 'colmap-bin'; what it reads is colmap"},
       {{"info", kTiny, "--threads", "-1"}, "--threads: expected a number from 0 to 1024, found '-1'"},
-      {{"merge", kTiny, "-o", "a.osa", "--fuse"}, "--fuse requires --join"},
+      {{"merge", kTiny, "-o", "a.osa", "--fuse"}, "--fuse needs --join or --base"},
       {{"convert", kTiny, "a.osa", "-o", "b.osa"}, "exclude each other"},
       {{"convert", kTiny, "a.osa", "--force"}, "unknown option '--force'; here it is --overwrite"},
       {{"check", kTiny, "--ignore", "map-listed-twice"}, "did you mean 'map-listed-once'?"},

@@ -16,7 +16,7 @@ class Revisions : public ::testing::Test {
   Revisions() {
     EXPECT_EQ(RunSlamdb({"synthesize", osa_, "--keyframes", "8", "--points", "200", "--seed", "3"}).exit_code, 0);
     EXPECT_EQ(RunSlamdb({"convert", osa_, At("lab")}).exit_code, 0);
-    EXPECT_EQ(RunSlamdb({"transform", At("lab"), At("lab"), "--by", "1 0 0 0 0 0 1", "--overwrite"}).exit_code, 0);
+    EXPECT_EQ(RunSlamdb({"transform", At("lab@1"), At("lab"), "--by", "1 0 0 0 0 0 1", "--overwrite"}).exit_code, 0);
   }
   std::string At(const std::string& name) const { return store_ + "#" + name; }
   json Log(const std::string& name) { return json::parse(RunSlamdb({"log", At(name), "--json"}).out).at("entries"); }
@@ -97,14 +97,14 @@ TEST_F(Revisions, BranchesBeginAsRevisions) {
 // What the robot did and what was done here, each a little: the merge has both, and knows what it was made of.
 TEST_F(Revisions, MergeFindsWhatBranchesComeFrom) {
   ASSERT_EQ(RunSlamdb({"branch", At("lab"), "robot7"}).exit_code, 0);
-  ASSERT_EQ(RunSlamdb({"cull", At("lab"), At("lab"), "--min-observations", "3", "--overwrite"}).exit_code, 0);
-  const ProcessResult merged = RunSlamdb({"merge", At("lab"), At("robot7"), "-o", At("lab"), "--overwrite"});
+  ASSERT_EQ(RunSlamdb({"cull", At("lab@2"), At("lab"), "--min-observations", "3", "--overwrite"}).exit_code, 0);
+  const ProcessResult merged = RunSlamdb({"merge", At("lab"), At("robot7")});
   ASSERT_EQ(merged.exit_code, 0) << merged.err;
   EXPECT_THAT(merged.err, HasSubstr("lab and robot7 both come from lab@2: merged three ways"));
   EXPECT_EQ(RunSlamdb({"diff", At("lab"), At("lab@-1")}).exit_code, 0) << "the branch had changed nothing";
   EXPECT_EQ(Log("lab").back().at("from"),
             json({{"name", "robot7"}, {"revision", 1}, {"hash", Log("robot7").back().at("hash")}}));
-  const ProcessResult again = RunSlamdb({"merge", At("lab"), At("robot7"), "-o", At("lab"), "--overwrite"});
+  const ProcessResult again = RunSlamdb({"merge", At("lab"), At("robot7")});
   EXPECT_THAT(again.err, HasSubstr("both come from robot7@1"));
 
   const ProcessResult beside = RunSlamdb({"merge", At("lab"), At("robot7"), "-o", out_, "--no-base", "--json"});

@@ -49,7 +49,7 @@ TEST_F(StoreVerbs, LogTellsWhatWasDone) {
   const json of_b = json::parse(RunSlamdb({"log", "--json", At("b")}).out);
   ASSERT_EQ(of_b.at("entries").size(), 1U);
   EXPECT_EQ(of_b["entries"][0]["name"], "b");
-  EXPECT_THAT(RunSlamdb({"log", store_}).out, HasSubstr("INSERTED"));
+  EXPECT_THAT(RunSlamdb({"log", store_}).out, HasSubstr("a@1    +2"));
 }
 
 TEST_F(StoreVerbs, SavingAgainNeedsOverwriteAndChangesNothing) {

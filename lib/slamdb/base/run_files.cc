@@ -166,6 +166,17 @@ void EnterInput(const std::string& path, const AtlasName& atlas) {
   if (run.keeps_inputs) Enter(run, KeysOf(path, atlas), {.said = Said(path, atlas), .atlas = atlas});
 }
 
+void EnterRevision(const std::string& path, const std::string& atlas, const std::string& revision) {
+  Run& run = TheRun();
+  const std::lock_guard lock(run.mutex);
+  for (const Key& key : KeysOf(path, atlas)) {
+    const auto [first, last] = run.uses.equal_range(key);
+    for (auto use = first; use != last; ++use)
+      if (!use->second.output && use->second.atlas == atlas)
+        use->second = {.said = Said(path, revision), .atlas = revision};
+  }
+}
+
 void RefuseInput(const std::string& path, const AtlasName& atlas) {
   RefuseBesideDatabase(path);
   Run& run = TheRun();

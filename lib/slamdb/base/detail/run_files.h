@@ -41,6 +41,9 @@ SLAMDB_EXPORT bool IsSameFile(const std::string& path, const AtlasName& atlas, c
 // A file is read, or about to be.
 SLAMDB_EXPORT void EnterInput(const std::string& path, const AtlasName& atlas = std::nullopt);
 
+// Of an atlas that was entered as an input it is this revision that is read. It stays whatever is saved under the name.
+SLAMDB_EXPORT void EnterRevision(const std::string& path, const std::string& atlas, const std::string& revision);
+
 // Throws Error (kUsage) when the file is an input, or holds one.
 SLAMDB_EXPORT void RefuseInput(const std::string& path, const AtlasName& atlas = std::nullopt);
 
