@@ -122,6 +122,7 @@ void WriteResult(const Atlas& atlas, const EditOptions& options, const std::stri
   WriteOptions write = MakeWriteOptions(console, options.target, provenance, options.wait);
   write.format = FormatToWrite(atlas, options.output, options.target.to);
   write.of<StoreWriteOptions>().from = options.merged;
+  if (options.onto) write.of<StoreWriteOptions>().onto = options.onto->number;
   if (beside != nullptr) write.before_commit = [beside] { beside->Commit(); };
   WriteAtlas(atlas, options.output, write, &notices);
 }

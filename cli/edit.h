@@ -35,7 +35,8 @@ struct EditOptions {
   Content needs = Content::kNothing;  // of the input: see ReadOptions::needs
   bool json = false, dry_run = false;
   double wait = kUsualWait;
-  std::optional<RevisionName> merged;  // a revision of the output's store that the result was made of, too
+  // Where the result is the next revision of an atlas in a store: what it was made of, and what besides.
+  std::optional<RevisionName> onto, merged;
   std::shared_ptr<InputSubstance> inputs =
       std::make_shared<InputSubstance>();  // that ReadInput has read, for WriteResult; copies share
 };

@@ -6,6 +6,7 @@
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/values.h"
+#include "slamdb/base/error.h"
 #include "slamdb/formats/sqlite/report.h"
 
 namespace slamdb::cli {
@@ -31,6 +32,18 @@ std::string ReportText(const GiveUpReport& report, bool dry_run) {
   return text + (dry_run ? "would free about " : "freed about ") + HumanBytes(report.bytes) + "\n";
 }
 
+void GiveSpaceBack(Store& store) {
+  try {
+    store.Vacuum();
+  } catch (const Error& error) {
+    throw Error(
+        error.kind(), error.path(), error.place(),
+        "the revisions are given up, but their space could not be given back to the disk: 'slamdb vacuum' tries "
+        "again (" +
+            error.problem() + ")");
+  }
+}
+
 ExitCode RunGc(const GcOptions& options, Console& console) {
   if (!options.give_up.keep && !options.give_up.keep_days && !options.keep_tags)
     RefuseUsage(
@@ -40,7 +53,7 @@ ExitCode RunGc(const GcOptions& options, Console& console) {
   Store store = Store::OpenForWriting(location.path,
                                       {.lock_timeout = options.store.wait, .progress = console.MakeProgress(false)});
   const GiveUpReport report = store.GiveUp(options.give_up, location.name);
-  if (report.bytes > 0 && !options.give_up.dry_run && !options.no_vacuum) store.Vacuum();
+  if (report.bytes > 0 && !options.give_up.dry_run && !options.no_vacuum) GiveSpaceBack(store);
   if (options.json)
     console.PrintData(ToJson(report, options.store.path));
   else if (!console.quiet())
@@ -80,7 +93,7 @@ const Command kGc = {
     .description =
         R"(Gives up revisions for good, all in one transaction, and the space that they took. What is to be kept has to be said; of several
 ways to keep, one is enough. The newest revision of every atlas stays, and so does what has a tag, and where another atlas was
-branched off or merged from.)",
+branched off or merged from, and those that say so.)",
     .failed = "The store could not be written, or another program uses it.",
     .examples = kExamples,
     .add = AddGc,

@@ -52,9 +52,21 @@ std::string LogText(const std::vector<HistoryEntry>& entries) {
   return entries.empty() ? "no history\n" : table.ToString();
 }
 
+// Of the store, an atlas, or one revision; of what was removed, too.
+std::vector<HistoryEntry> EntriesOf(const Location& location, double wait) {
+  Store store = Store::Open(location.path, wait);
+  std::vector<HistoryEntry> entries = store.Log(location.name);
+  if (!entries.empty() || location.name.empty()) return entries;
+  const RevisionName revision = store.FindRevision(location.name);
+  entries = store.Log(revision.atlas);
+  std::erase_if(entries,
+                [&](const HistoryEntry& entry) { return entry.revision != revision.number || !entry.readable; });
+  return entries;
+}
+
 ExitCode RunLog(const LogOptions& options, Console& console) {
   const Location location = Location::Parse(options.store.path);
-  const std::vector<HistoryEntry> entries = Store::Open(location.path, options.store.wait).Log(location.name);
+  const std::vector<HistoryEntry> entries = EntriesOf(location, options.store.wait);
   if (options.json)
     console.PrintData(ToJson(entries, options.store.path));
   else

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <utility>
 
 #include "cli/choices.h"
 #include "cli/commands/commands.h"
@@ -154,6 +156,38 @@ std::optional<Store> StoreOfBoth(const Location& first, const Location& second, 
   return same ? std::optional(Store::Open(first.path, wait)) : std::nullopt;
 }
 
+// How many keyframes of a base its continuation lacks, by their ids and times, and how many there are.
+std::pair<std::size_t, std::size_t> CountLacking(Store& store, const std::string& side, const RevisionName& base) {
+  const ReadOptions geometry{.features = FeatureColumns::kNone};
+  std::set<std::pair<std::uint64_t, double>> there;
+  for (const Map& map : store.Load(side, geometry).maps)
+    for (const KeyFrame& keyframe : map.keyframes) there.emplace(keyframe.id.value(), keyframe.timestamp);
+  std::size_t lacking = 0, all = 0;
+  for (const Map& map : store.Load(base.ToString(), geometry).maps)
+    for (const KeyFrame& keyframe : map.keyframes) {
+      ++all;
+      lacking += there.contains({keyframe.id.value(), keyframe.timestamp}) ? 0 : 1;
+    }
+  return {lacking, all};
+}
+
+// A side that lacks much of what it is said to come from was more likely saved from before that: all that it lacks
+// would count as deleted.
+void RefuseDoubtfulBase(Store& store, const std::string& path, const std::string& side, const RevisionName& base) {
+  constexpr double kMostDeleted = 0.1, kFewDeleted = 3;
+  const auto [lacking, keyframes] = CountLacking(store, side, base);
+  if (static_cast<double>(lacking) <= std::max(kMostDeleted * static_cast<double>(keyframes), kFewDeleted)) return;
+  throw Error(ErrorKind::kNotPossible, path, "",
+              side + " lacks " + std::to_string(lacking) + " of the " + std::to_string(keyframes) + " keyframes of " +
+                  base.ToString() +
+                  ", which the history says it was made of: they would count as deleted. Where it was saved "
+                  "from before that, say what both were made of, as --base " +
+                  path +
+                  "#NAME@N ('slamdb log' lists them); "
+                  "where they were culled, --base " +
+                  path + "#" + base.ToString());
+}
+
 // Of two atlases of a store: what both come from, if its history knows it and no other base is given; where the result
 // goes to that store, that the second is merged into it; and where it goes nowhere else, that it is the next revision
 // of the first. Returns what there is to say.
@@ -163,21 +197,34 @@ std::string FindBranches(MergeVerbOptions& options) {
   std::optional<Store> store = StoreOfBoth(ours, theirs, options.edit.wait);
   if (!store) return {};
   const RevisionName our_revision = store->FindRevision(ours.name), their_revision = store->FindRevision(theirs.name);
+  EditOptions& edit = options.edit;
   std::string found;
   if (options.base.empty() && !options.same_map) {
     const std::optional<RevisionName> base = store->CommonBase(ours.name, theirs.name);
+    if (!base && edit.output.empty() && !edit.dry_run)
+      RefuseUsage("the history of " + ours.path + " knows nothing that " + ours.name + " and " + theirs.name +
+                  " both come from: say it with --base, or with --output where their maps are to go side by side");
     if (!base) return {};
+    if (store->FindRevision(base->ToString()) != *base)
+      RefuseUsage("an atlas is called " + base->ToString() +
+                  ", which hides the revision that both come from: say it with "
+                  "--base");
+    for (const std::string& side : {ours.name, theirs.name}) RefuseDoubtfulBase(*store, ours.path, side, *base);
     options.base = ours.path + "#" + base->ToString();
     found = ours.name + " and " + theirs.name + " both come from " + base->ToString() +
             ": merged three ways; --no-base keeps their maps side by side";
   }
   if (options.base.empty()) return {};
-  EditOptions& edit = options.edit;
   if (edit.output.empty() && !edit.dry_run) {
+    if (our_revision != store->FindRevision(our_revision.atlas))
+      RefuseUsage(ours.name + " is not the newest revision of " + our_revision.atlas +
+                  ", which the result would take the place of: say with --output where it goes");
     edit.output = ours.path + "#" + our_revision.atlas;
     edit.target.overwrite = true;
   }
-  if (StoreOfBoth(ours, edit.output, edit.wait)) edit.merged = their_revision;
+  const Location output(edit.output);
+  if (StoreOfBoth(ours, output, edit.wait)) edit.merged = their_revision;
+  if (edit.merged && output.name == our_revision.atlas) edit.onto = our_revision;
   for (const auto& [input, revision] : {std::pair(ours, our_revision), std::pair(theirs, their_revision)})
     detail::EnterRevision(input.path, input.name, revision.ToString());
   options.inputs = {ours.path + "#" + our_revision.ToString(), theirs.path + "#" + their_revision.ToString()};

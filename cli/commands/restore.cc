@@ -15,7 +15,7 @@ ExitCode RunRestore(const RevisionOptions& options, Console& console) {
   const SaveReport report = store.Restore(location.name, {.progress = console.MakeProgress(false)});
   if (!console.quiet())
     console.Print(location.path + "#" + restored.atlas + "@" + std::to_string(report.revision) + " is " +
-                  restored.ToString() + " again\n");
+                  restored.ToString() + (report.unchanged ? " already\n" : " again\n"));
   return ExitCode::kDone;
 }
 

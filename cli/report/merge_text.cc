@@ -107,7 +107,11 @@ std::string ThreeWayText(const ThreeWayReport& report) {
   }
   if (report.dangling > 0) text += Counted(report.dangling, "reference") + " that led nowhere cut\n";
   text += ConflictsText(report.conflicts);
-  return text + "nothing was lost: keyframes, points, observations and edges of all three add up\n";
+  const std::uint64_t dropped = report.keyframes.dropped + report.points.dropped + report.observations.dropped;
+  return text +
+         (dropped == 0 ? "nothing was lost: "
+                       : Counted(dropped, "thing") + " dropped for what conflicts with it, all else is there: ") +
+         "keyframes, points, observations and edges of all three add up\n";
 }
 
 std::string JoinText(const JoinReport& join) {

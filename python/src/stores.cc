@@ -171,8 +171,8 @@ void DefineRevisions(py::class_<StoreFile>& store) {
       .def("tag",
            [](const StoreFile& file, const std::string& name, const std::string& tag, bool remove) {
              WithoutGil([&] {
-               Store store = file.WriterOfPresent({});
-               remove ? store.Untag(name, tag) : store.Tag(name, tag);
+               Store writer = file.WriterOfPresent({});
+               remove ? writer.Untag(name, tag) : writer.Tag(name, tag);
              });
            })
       .def("gc", [](const StoreFile& file, const std::string& name, std::optional<std::uint64_t> keep,

@@ -38,7 +38,8 @@ constexpr std::array kWorld = {
     "head -c 1000000 yesterday.osa >fisheye_cut.osa",
     "for name in b session_a map old lab; do slamdb convert lab.osa lab.db#$name -q; done; slamdb convert atlas.osa "
     "lab.db#a -q",
-    "for seed in 1 2; do slamdb synthesize robot.osa --keyframes 6 --seed $seed -O -q; slamdb convert robot.osa "
+    "for seed in 1 2; do slamdb synthesize robot.osa --keyframes 6 --points 200 --seed $seed -O -q; slamdb convert "
+    "robot.osa "
     "fleet.db#robot7 -O -q; done",
     "slamdb convert session_a.osa lab.db#monday -q; slamdb convert "
     "session_b.osa lab.db#tuesday -q",

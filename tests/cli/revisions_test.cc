@@ -85,6 +85,41 @@ TEST_F(Revisions, TagRestoreAndGiveUp) {
   EXPECT_EQ(RunSlamdb({"tag", At("lab"), "release", "--remove"}).exit_code, 0);
 }
 
+// What a merge cannot know it does not guess.
+TEST_F(Revisions, MergeRefusesWhatWouldLoseKeyframes) {
+  ASSERT_EQ(RunSlamdb({"branch", At("lab"), "robot7"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"extract", At("lab@2"), At("lab"), "--keyframe", "0,1,2,3", "--overwrite"}).exit_code, 0);
+  const ProcessResult doubtful = RunSlamdb({"merge", At("lab"), At("robot7")});
+  EXPECT_EQ(doubtful.exit_code, 1);
+  EXPECT_THAT(doubtful.err, HasSubstr("lab lacks 4 of the 8 keyframes of lab@2"));
+  EXPECT_EQ(RunSlamdb({"merge", At("lab"), At("robot7"), "--base", At("lab@2")}).exit_code, 0) << "when told so";
+
+  const ProcessResult older = RunSlamdb({"merge", At("lab@2"), At("robot7")});
+  EXPECT_EQ(older.exit_code, 2);
+  EXPECT_THAT(older.err, HasSubstr("lab@2 is not the newest revision of lab"));
+  ASSERT_EQ(RunSlamdb({"convert", osa_, At("stranger")}).exit_code, 0);
+  const ProcessResult baseless = RunSlamdb({"merge", At("lab"), At("stranger")});
+  EXPECT_EQ(baseless.exit_code, 2);
+  EXPECT_THAT(baseless.err, HasSubstr("knows nothing that lab and stranger both come from"));
+}
+
+TEST_F(Revisions, TheLogIsOfNamesThatAreKnown) {
+  const ProcessResult one = RunSlamdb({"log", At("lab@1")});
+  EXPECT_THAT(one.out, HasSubstr("lab@1"));
+  EXPECT_THAT(one.out, ::testing::Not(HasSubstr("lab@2")));
+  EXPECT_EQ(RunSlamdb({"log", At("nobody")}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"log", At("lab@9")}).exit_code, 1);
+  ASSERT_EQ(RunSlamdb({"remove", At("lab")}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"log", At("lab")}).out, HasSubstr("remove"));
+}
+
+TEST_F(Revisions, WhatChangesNothingMakesNone) {
+  const ProcessResult again = RunSlamdb({"convert", At("lab@2"), At("lab"), "--overwrite"});
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.err, HasSubstr("is there as it is: no new revision"));
+  EXPECT_EQ(RunSlamdb({"info", At("lab@3")}).exit_code, 1);
+}
+
 TEST_F(Revisions, BranchesBeginAsRevisions) {
   EXPECT_THAT(RunSlamdb({"branch", At("lab@1"), "robot7"}).out, HasSubstr("#robot7 begins as lab@1"));
   EXPECT_EQ(RunSlamdb({"diff", At("robot7"), osa_}).exit_code, 0);
@@ -97,15 +132,18 @@ TEST_F(Revisions, BranchesBeginAsRevisions) {
 // What the robot did and what was done here, each a little: the merge has both, and knows what it was made of.
 TEST_F(Revisions, MergeFindsWhatBranchesComeFrom) {
   ASSERT_EQ(RunSlamdb({"branch", At("lab"), "robot7"}).exit_code, 0);
-  ASSERT_EQ(RunSlamdb({"cull", At("lab@2"), At("lab"), "--min-observations", "3", "--overwrite"}).exit_code, 0);
+  for (const auto& [atlas, observations] : {std::pair("lab@2", "3"), {"robot7@1", "4"}}) {
+    const std::string name(atlas, std::string_view(atlas).find('@'));
+    ASSERT_EQ(RunSlamdb({"cull", At(atlas), At(name), "--min-observations", observations, "--overwrite"}).exit_code, 0);
+  }
   const ProcessResult merged = RunSlamdb({"merge", At("lab"), At("robot7")});
   ASSERT_EQ(merged.exit_code, 0) << merged.err;
   EXPECT_THAT(merged.err, HasSubstr("lab and robot7 both come from lab@2: merged three ways"));
-  EXPECT_EQ(RunSlamdb({"diff", At("lab"), At("lab@-1")}).exit_code, 0) << "the branch had changed nothing";
   EXPECT_EQ(Log("lab").back().at("from"),
-            json({{"name", "robot7"}, {"revision", 1}, {"hash", Log("robot7").back().at("hash")}}));
+            json({{"name", "robot7"}, {"revision", 2}, {"hash", Log("robot7").back().at("hash")}}));
   const ProcessResult again = RunSlamdb({"merge", At("lab"), At("robot7")});
-  EXPECT_THAT(again.err, HasSubstr("both come from robot7@1"));
+  EXPECT_THAT(again.err, HasSubstr("both come from robot7@2"));
+  EXPECT_THAT(again.err, HasSubstr("no new revision"));
 
   const ProcessResult beside = RunSlamdb({"merge", At("lab"), At("robot7"), "-o", out_, "--no-base", "--json"});
   EXPECT_EQ(beside.exit_code, 0) << beside.err;

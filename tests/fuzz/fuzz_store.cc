@@ -19,7 +19,8 @@
 namespace slamdb {
 namespace {
 
-// A store of two atlases, of which one has two revisions, on a file system in memory, where there is one, and its bytes.
+// A store of two atlases, of which one has two revisions, on a file system in memory, where there is one, and its
+// bytes.
 class Template {
  public:
   Template() : path_(Folder() + "/slamdb_fuzz_" + std::to_string(::getpid()) + ".db") {

@@ -17,7 +17,8 @@ namespace slamdb {
 // What an atlas is called: `lab` of maps/lab.osa.txt and of maps.db#lab.
 [[nodiscard]] SLAMDB_EXPORT std::string NameOf(const Location& atlas);
 
-// Of a revision of an atlas in a store (lab.db#lab@3) the atlas itself, where it can be found; of all others themselves.
+// Of a revision of an atlas in a store (lab.db#lab@3) the atlas itself, where it can be found; of all others
+// themselves.
 [[nodiscard]] SLAMDB_EXPORT Location WithoutRevision(const Location& atlas);
 
 // An output in a store without a name gets that of the input: its name in a store, else the stem of its file. So a

@@ -374,6 +374,19 @@ TEST_F(OneThing, AKeyframeThatOneSideCulledGoes) {
   EXPECT_THAT(TroubleCounts(merged.atlas), IsEmpty());
 }
 
+// Though the other has all that this one has that is new.
+TEST_F(OneThing, AKeyframeThatOneSideCulledGoesFromWhatContinuesIt) {
+  const KeyFrameId old(2);
+  branched_.theirs = branched_.ours;
+  Remove(branched_.ours, old);
+  for (const bool swapped : {false, true}) {
+    if (swapped) std::swap(branched_.ours, branched_.theirs);
+    ThreeWayResult merged = Merge();
+    EXPECT_EQ(Find(merged.atlas.maps[0], old), nullptr);
+    EXPECT_EQ(merged.atlas.maps[0].keyframes.size(), kOld + kNew - 1);
+  }
+}
+
 TEST_F(OneThing, AKeyframeThatTheOtherWentOnWithStays) {
   const KeyFrameId last(kOld - 1);  // on which new ones hang
   for (const bool is_ours : {true, false}) {

@@ -119,7 +119,7 @@ TEST_F(StoreIdentity, FormatUsesTheOnlyAtlasOrAsksWhich) {
   EXPECT_TRUE(notices.items().empty());
   detail::kStoreFormat.write(OddAtlas(), unnamed, overwrite, notices);
   ASSERT_EQ(notices.items().size(), 1U);
-  EXPECT_THAT(notices.items()[0].text, HasSubstr("0 rows new, 1 changed, 0 removed"));
+  EXPECT_THAT(notices.items()[0].text, HasSubstr("is there as it is: no new revision"));
   detail::kStoreFormat.write(Atlas(), {path_, "second"}, {}, notices);
   EXPECT_THAT(ErrorOf([&] { detail::kStoreFormat.read(unnamed, {}, notices); }), HasSubstr("it holds atlas, second"));
   EXPECT_THAT(ErrorOf([&] {

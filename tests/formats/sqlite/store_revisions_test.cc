@@ -103,6 +103,7 @@ TEST_F(StoreRevisions, AreNotSavedOverAndNamesWithAnAtStay) {
 Atlas Edited(Atlas atlas, std::mt19937& random) {
   const auto pick = [&](std::size_t size) { return static_cast<std::ptrdiff_t>(random() % size); };
   if (atlas.maps.empty()) return OddAtlas();
+  ++atlas.next_ids.frame;  // so that something is another in any case
   Map& map = atlas.maps[random() % atlas.maps.size()];
   switch (random() % 12) {
     case 0:
@@ -272,6 +273,41 @@ TEST_F(StoreRevisions, BranchesKnowWhereTheyCameFrom) {
   EXPECT_EQ(FirstDifference(store.Load("a@1"), saved_[0].second), "");
 }
 
+// As robots come home: lab stands still, or goes on, or takes a merge back.
+TEST_F(StoreRevisions, TheBaseIsTheLastThatBothHave) {
+  Atlas atlas = SoundAtlas();
+  const auto next = [&] {
+    atlas.maps[0].points[0].position.x() += 1;
+    return atlas;
+  };
+  Store store = Store::OpenForWriting(path_, {.sync = false});
+  store.Save("lab", atlas);
+  store.Branch("lab", "robot");
+  store.Save("robot", next());
+  store.Save("lab", next(), {.from = store.FindRevision("robot")});  // lab@2, the merge
+  store.Save("lab", next());
+  store.Save("robot", next());
+  EXPECT_EQ(store.CommonBase("lab", "robot")->ToString(), "robot@2");
+  EXPECT_EQ(store.CommonBase("robot", "lab")->ToString(), "robot@2");
+  // With less of the history left, it is the same.
+  store.GiveUp({.keep = 1});
+  EXPECT_EQ(store.CommonBase("lab", "robot")->ToString(), "robot@2");
+  // What was merged and taken back is not a base any more.
+  store.Restore("lab@1");
+  EXPECT_EQ(store.CommonBase("lab", "robot")->ToString(), "lab@1");
+}
+
+TEST_F(StoreRevisions, IsSavedOntoTheOneThatItWasMadeOf) {
+  Atlas atlas = SoundAtlas();
+  Save(atlas);
+  atlas.maps[0].points[0].position.x() += 1;
+  Store store = Store::OpenForWriting(path_, {.sync = false});
+  EXPECT_EQ(store.Save("a", atlas, {.onto = 1}).revision, 2U);
+  EXPECT_THAT(ErrorOf([&] { store.Save("a", SoundAtlas(), {.onto = 1}); }),
+              HasSubstr("'a' has revision 2 by now, and this was made of 1: nothing was saved"));
+  EXPECT_EQ(FirstDifference(store.Load("a"), atlas), "");
+}
+
 // Of an atlas that was removed and made anew nothing is a base.
 TEST_F(StoreRevisions, ABaseIsKnownByItsContent) {
   Save(SoundAtlas());
@@ -397,6 +433,9 @@ TEST_F(StoreRevisions, TagsAreNamesAndStayWhereTheyAre) {
   store.Tag("a@1", "first");
   store.Tag("a@1", "best");
   EXPECT_THAT(ErrorOf([&] { store.Tag("a", "first"); }), HasSubstr("revision 1 of 'a' has the tag 'first' already"));
+  SaveIn(path_, Atlas(), "old");
+  Sql(path_, "UPDATE atlas SET name = 'a@old' WHERE name = 'old'");
+  EXPECT_THAT(ErrorOf([&] { store.Tag("a", "old"); }), HasSubstr("which would hide that tag"));
   EXPECT_THAT(ErrorOf([&] { store.Untag("a", "none"); }), HasSubstr("no tag 'none' of 'a'; it has best, first"));
   EXPECT_THAT(store.Log("a")[0].tags, ElementsAre("best", "first"));
 }
@@ -461,6 +500,22 @@ TEST_F(StoreRevisions, DamageInThePastIsFoundAndTheNewestIsRead) {
     }
   }
   EXPECT_GT(damaged, 20);
+}
+
+// What is left of a revision of which rows are gone is sound in itself, and another one.
+TEST_F(StoreRevisions, LostRowsAreMissed) {
+  Atlas atlas = SoundAtlas();
+  Save(atlas);
+  atlas.maps[0].points[3].position.x() += 1;
+  Save(atlas);
+  const std::string good = folder_ / "good.db";
+  Store::Open(path_).Backup(good);
+  for (const char* damage :
+       {"DELETE FROM past", "UPDATE past SET until = 1", "DELETE FROM past WHERE part = 8"}) {
+    Store::Open(good).Backup(path_, true);
+    Sql(path_, damage);
+    EXPECT_THAT(FindError("a@1"), HasSubstr("revision 1 of 'a', table ")) << damage;
+  }
 }
 
 TEST_F(StoreRevisions, HostileSizesTakeNoMemory) {

@@ -360,10 +360,36 @@ class Unifier {
 
 }  // namespace
 
+namespace {
+
+std::unordered_map<std::uint64_t, const KeyFrame*> KeyFramesOf(const Atlas& atlas) {
+  std::unordered_map<std::uint64_t, const KeyFrame*> keyframes;
+  for (const Map& map : atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) keyframes.emplace(keyframe.id.value(), &keyframe);
+  return keyframes;
+}
+
+// Whether `part` has deleted a keyframe of the base that `all` has as the base had it: seeing the same points, and with
+// the same neighbours. Where `all` went on with it, it stays in any merge.
+bool DeletesUntouched(const std::vector<Image>& base, const std::vector<Image>& part, const std::vector<Image>& all,
+                      const Atlas& base_atlas, const Atlas& all_atlas) {
+  const std::vector<IdPair> in_part = MatchImages(base, part), in_all = MatchImages(base, all);
+  const auto before = KeyFramesOf(base_atlas), after = KeyFramesOf(all_atlas);
+  return std::ranges::any_of(base, [&](const Image& image) {
+    const auto* pair = FindPair(in_all, image.id);
+    if (pair == nullptr || FindPair(in_part, image.id) != nullptr) return false;
+    const auto was = before.find(pair->before), is = after.find(pair->after);
+    return was != before.end() && is != after.end() &&
+           was->second->features.map_points == is->second->features.map_points &&
+           was->second->connections == is->second->connections && was->second->children == is->second->children;
+  });
+}
+
+}  // namespace
+
 std::optional<BranchSide> FindContaining(const Branches& branches, int threads) {
   const std::vector<Image> base = ImagesOf(branches.base, threads), ours = ImagesOf(branches.ours, threads),
                            theirs = ImagesOf(branches.theirs, threads);
-  // What a side has of the base the other may have deleted since.
   const auto contains = [&](const std::vector<Image>& part, const std::vector<Image>& all) {
     const std::vector<IdPair> old = MatchImages(part, base), common = MatchImages(part, all);
     std::size_t any_new = 0;
@@ -374,8 +400,10 @@ std::optional<BranchSide> FindContaining(const Branches& branches, int threads) 
     }
     return !old.empty() && any_new > 0;
   };
-  if (contains(theirs, ours)) return BranchSide::kOurs;
-  if (contains(ours, theirs)) return BranchSide::kTheirs;
+  if (contains(theirs, ours) && !DeletesUntouched(base, theirs, ours, branches.base, branches.ours))
+    return BranchSide::kOurs;
+  if (contains(ours, theirs) && !DeletesUntouched(base, ours, theirs, branches.base, branches.theirs))
+    return BranchSide::kTheirs;
   return std::nullopt;
 }
 

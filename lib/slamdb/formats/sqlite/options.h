@@ -19,9 +19,10 @@ struct SLAMDB_EXPORT StoreReadOptions {
 
 // How WriteAtlas writes to a store.
 struct SLAMDB_EXPORT StoreWriteOptions {
-  std::string provenance;            // one line for the history: what made this atlas (`convert session_a.osa`)
-  double lock_timeout = 5;           // seconds to wait for another process that writes
-  std::optional<RevisionName> from;  // what it was made of besides the revision before it, as by a merge
+  std::string provenance;             // one line for the history: what made this atlas (`convert session_a.osa`)
+  double lock_timeout = 5;            // seconds to wait for another process that writes
+  std::optional<RevisionName> from;   // what it was made of besides the revision before it, as by a merge
+  std::optional<std::uint64_t> onto;  // the revision that it was made of: Error (kLocked) unless that is the newest yet
 };
 
 }  // namespace slamdb

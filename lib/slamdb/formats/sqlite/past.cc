@@ -77,6 +77,7 @@ class Restorer {
     past_.keyframes = CompleteEntities(Part::kKeyframe, kOfKeyframe);
     past_.points = CompleteEntities(Part::kPoint, kOfPoint);
     CopyPictures();
+    CompareHash();
     past_.rows.Execute("COMMIT");
     return std::move(past_);
   }
@@ -146,6 +147,17 @@ class Restorer {
     const bool found = select->Bind(1, row).Step();
     select->Reset();
     return found;
+  }
+  // Rows of `past` that are gone leave another revision, which is sound in itself.
+  void CompareHash() {
+    Statement logged(database_,
+                     "SELECT hash FROM revision JOIN history ON history.row = history WHERE revision.atlas = ?1 AND "
+                     "number = ?2",
+                     "table revision");
+    if (logged.Bind(1, atlas_).Bind(2, revision_).Step() &&
+        logged.Integer(0) != past_.rows.Integer("SELECT hash FROM atlas"))
+      throw Error(ErrorKind::kDamaged, database_.path(), "table past",
+                  "what is kept is not what the log says was saved: the store is damaged");
   }
   void CopyPictures() {
     Statement wanted(past_.rows, "SELECT DISTINCT picture FROM keyframe_features");

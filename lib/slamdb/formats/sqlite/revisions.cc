@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <iterator>
 #include <set>
 
 #include "slamdb/base/detail/concat.h"
@@ -145,7 +146,7 @@ std::vector<std::int64_t> KeptOf(Database& database, const Named& atlas, const G
   Statement select(
       database,
       "SELECT number FROM revision JOIN history ON history.row = history WHERE revision.atlas = ?1 AND ("
-      "number >= ?2 OR at >= ?3 OR number IN (SELECT number FROM tag WHERE atlas = ?1) OR "
+      "number >= ?2 OR at >= ?3 OR from_hash IS NOT NULL OR number IN (SELECT number FROM tag WHERE atlas = ?1) OR "
       "number IN (SELECT from_number FROM revision AS other WHERE other.from_atlas = ?4 AND other.from_hash "
       "= history.hash)) ORDER BY number",
       "table revision");
@@ -283,48 +284,84 @@ GiveUpReport GiveUp(Database& database, const std::string& atlas, const GiveUpOp
 
 namespace {
 
-// A revision, and those that it was made of.
+// A revision. One that is an earlier one of its atlas again, as after a restore, is that.
 struct Ancestor {
   std::string atlas;
   std::int64_t number = 0, hash = 0;
   auto operator<=>(const Ancestor&) const = default;
 };
 
-// Nearest first.
-std::vector<Ancestor> AncestorsOf(Database& database, const Named& named) {
-  Statement select(
-      database,
-      "SELECT history.hash, from_atlas, from_number, from_hash, (SELECT max(number) FROM revision AS earlier "
-      "WHERE earlier.atlas = revision.atlas AND earlier.number < revision.number) FROM revision JOIN atlas "
-      "ON atlas.row = revision.atlas JOIN history ON history.row = history WHERE atlas.name = ?1 AND number = "
-      "?2",
-      "table revision");
-  std::vector<Ancestor> ancestors;
-  std::set<Ancestor> seen;
-  std::deque<Ancestor> waiting{{named.name, named.number, 0}};
-  while (!waiting.empty()) {
-    Ancestor next = std::move(waiting.front());
-    waiting.pop_front();
-    select.Reset();
-    if (!select.BindText(1, next.atlas).Bind(2, next.number).Step()) continue;
-    const std::int64_t hash = select.Integer(0);
-    if (next.hash != 0 && next.hash != hash) continue;  // another atlas has that name by now
-    next.hash = hash;
-    if (!seen.insert(next).second) continue;
-    if (!select.IsNull(4)) waiting.push_back({next.atlas, select.Integer(4), 0});
-    if (!select.IsNull(1)) waiting.push_back({select.Text(1), select.Integer(2), select.Integer(3)});
-    ancestors.push_back(std::move(next));
+// Which revisions those of a store were made of.
+class Ancestry {
+ public:
+  explicit Ancestry(Database& database)
+      : find_(
+            database,
+            "SELECT first.number, history.hash FROM atlas JOIN revision AS asked ON asked.atlas = atlas.row JOIN "
+            "history "
+            "ON history.row = asked.history JOIN revision AS first ON first.atlas = atlas.row JOIN history AS of_first "
+            "ON "
+            "of_first.row = first.history WHERE atlas.name = ?1 AND asked.number = ?2 AND of_first.hash = history.hash "
+            "AND first.number <= ?2 ORDER BY first.number LIMIT 1",
+            "table revision"),
+        parents_(database,
+                 "SELECT from_atlas, from_number, from_hash, (SELECT max(number) FROM revision AS earlier WHERE "
+                 "earlier.atlas = revision.atlas AND earlier.number < revision.number) FROM revision JOIN atlas ON "
+                 "atlas.row = revision.atlas WHERE atlas.name = ?1 AND number = ?2",
+                 "table revision") {}
+
+  // Nothing when it cannot be read any more, or another atlas has the name by now.
+  std::optional<Ancestor> Find(const std::string& atlas, std::int64_t number, std::optional<std::int64_t> hash = {}) {
+    find_.Reset();
+    if (!find_.BindText(1, atlas).Bind(2, number).Step()) return std::nullopt;
+    if (hash && *hash != find_.Integer(1)) return std::nullopt;
+    return Ancestor{atlas, find_.Integer(0), find_.Integer(1)};
   }
-  return ancestors;
-}
+  std::vector<Ancestor> ParentsOf(const Ancestor& of) {
+    std::vector<Ancestor> parents;
+    const auto add = [&](std::optional<Ancestor> parent) {
+      if (parent) parents.push_back(std::move(*parent));
+    };
+    parents_.Reset();
+    if (!parents_.BindText(1, of.atlas).Bind(2, of.number).Step()) return parents;
+    if (!parents_.IsNull(3)) add(Find(of.atlas, parents_.Integer(3)));
+    if (!parents_.IsNull(0)) add(Find(parents_.Text(0), parents_.Integer(1), parents_.Integer(2)));
+    return parents;
+  }
+  // The revision itself and all that it was made of, nearest first.
+  std::vector<Ancestor> Of(const Named& named) {
+    std::vector<Ancestor> all;
+    std::set<Ancestor> seen;
+    std::deque<Ancestor> waiting;
+    if (std::optional<Ancestor> self = Find(named.name, named.number)) waiting.push_back(std::move(*self));
+    while (!waiting.empty()) {
+      Ancestor next = std::move(waiting.front());
+      waiting.pop_front();
+      if (!seen.insert(next).second) continue;
+      std::ranges::copy(ParentsOf(next), std::back_inserter(waiting));
+      all.push_back(std::move(next));
+    }
+    return all;
+  }
+
+ private:
+  Statement find_, parents_;
+};
 
 }  // namespace
 
 std::optional<RevisionName> FindBase(Database& database, const Named& first, const Named& second) {
-  const std::vector<Ancestor> others = AncestorsOf(database, second);
+  Ancestry ancestry(database);
+  const std::vector<Ancestor> others = ancestry.Of(second);
   const std::set<Ancestor> of_second(others.begin(), others.end());
-  for (const Ancestor& each : AncestorsOf(database, first))
-    if (of_second.contains(each))
+  std::vector<Ancestor> common;
+  for (const Ancestor& each : ancestry.Of(first))
+    if (of_second.contains(each)) common.push_back(each);
+  // What a common one was made of is common, too, and lies behind it.
+  std::set<Ancestor> behind;
+  for (const Ancestor& each : common) std::ranges::copy(ancestry.ParentsOf(each), std::inserter(behind, behind.end()));
+  for (const Ancestor& each : common)
+    if (!behind.contains(each))
       return RevisionName{each.atlas, static_cast<std::uint64_t>(each.number), static_cast<std::uint64_t>(each.hash)};
   return std::nullopt;
 }

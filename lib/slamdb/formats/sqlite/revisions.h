@@ -8,7 +8,8 @@
 
 #include "slamdb/export.h"
 
-// Revisions: every save of an atlas in a store makes one, numbered from 1, and all can be read again until GiveUp.
+// Revisions: every save of an atlas in a store that changes it makes one, numbered from 1, and all can be read again
+// until GiveUp.
 //
 // NAME@3               the third
 // NAME@-1              the one before the newest; @-2 the one before that

@@ -15,8 +15,8 @@ using detail::ByteReader;
 using detail::ByteWriter;
 
 constexpr std::uint8_t kLayout = 1;
-constexpr std::size_t kLeastDeflated = 256;   // shorter blobs gain nothing
-constexpr std::size_t kMostInflation = 1032;  // what deflate can do at most
+constexpr std::size_t kLeastDeflated = 256;                   // shorter blobs gain nothing
+constexpr std::size_t kMostDeflated = std::size_t{16} << 20;  // larger ones would cost memory before they prove damaged
 
 enum class Tag : std::uint8_t {
   kNull,
@@ -63,7 +63,7 @@ void PutSized(ByteWriter& out, Tag tag, Bytes bytes) {
 
 // Deflated where that makes it shorter: what a keyframe records of its camera and grid is mostly zeros and repetition.
 void PutBlob(ByteWriter& out, Bytes bytes) {
-  if (bytes.size() < kLeastDeflated) return PutSized(out, Tag::kBlob, bytes);
+  if (bytes.size() < kLeastDeflated || bytes.size() > kMostDeflated) return PutSized(out, Tag::kBlob, bytes);
   std::string packed(compressBound(bytes.size()), '\0');
   uLongf size = packed.size();
   const int code = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
@@ -96,8 +96,9 @@ std::string Inflate(ByteReader& in) {
   const auto size = in.Get<std::uint32_t>();
   const auto packed_size = in.Get<std::uint32_t>();
   const std::byte* packed = in.Take(packed_size);
-  if (size / kMostInflation > packed_size)
-    throw Error(ErrorKind::kDamaged, detail::Concat(packed_size, " bytes cannot hold ", size));
+  constexpr std::size_t kMostInflation = 1032;  // what deflate can do
+  if (size / kMostInflation > packed_size || size > kMostDeflated)
+    throw Error(ErrorKind::kDamaged, detail::Concat(packed_size, " bytes do not hold ", size));
   std::string bytes(size, '\0');
   uLongf written = size;
   const int code =

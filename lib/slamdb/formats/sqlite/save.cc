@@ -359,13 +359,9 @@ void SaveWordsAlone(SaveContext& context, const Atlas& atlas, const AtlasHashes&
   }
 }
 
-// An atlas that is there as it is: only its row tells of the save.
+// An atlas that is there as it is makes no revision: the log alone tells of the save.
 void SaveUnchanged(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
-  Statement update(context.database, "UPDATE atlas SET revision = revision + 1, saved_at = ?2 WHERE row = ?1",
-                   "table atlas");
-  const std::string now = TimeOfDay();
-  update.Bind(1, context.atlas).BindText(2, now).Run();
-  ++context.changes["atlas"].updated;
+  ++context.changes["atlas"].unchanged;
   CountUnchanged(atlas, context.changes);
   SaveWordsAlone(context, atlas, hashes);
 }
@@ -452,13 +448,15 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
   PastWriter past(database, stored ? stored->row : 0, static_cast<std::int64_t>(report.revision), Carries(atlas));
   SaveContext context{.database = database, .options = options, .changes = changes, .past = past, .map = report.map};
   for (const Map& map : atlas.maps) context.entities += 100 * map.keyframes.size() + map.points.size();
-  if (stored) past.Keep(Part::kAtlas, stored->row);
   if (stored && rewrite == Rewrite::kWhatDiffers && stored->hash == hashes.Combined()) {
     context.atlas = stored->row;
+    report.unchanged = true;
+    report.revision = static_cast<std::uint64_t>(stored->revision);
     SaveUnchanged(context, atlas, hashes);
     report.tables = changes.Take();
     return;
   }
+  if (stored) past.Keep(Part::kAtlas, stored->row);
   if (stored && rewrite == Rewrite::kAll)
     for (const StoredMap& map : ReadStoredMaps(database, stored->row)) RemoveMap(context, map.row);
   const AtlasSummary summary = Summarize(atlas);

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <tuple>
+#include <vector>
 
 #include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/box_tree.h"
@@ -101,9 +103,29 @@ class ObservationWriter {
   explicit ObservationWriter(SaveContext& context)
       : database_(context.database),
         past_(context.past),
+        select_(context.database,
+                "SELECT coalesce(keyframe, -1), left_keypoint, right_keypoint FROM observation WHERE point = ?1",
+                "table observation"),
         remove_(context.database, "DELETE FROM observation WHERE point = ?1", "table observation"),
         insert_(context.database, "observation", 6) {}
 
+  // How many of the observations that are stored the point has no more.
+  std::uint64_t CountGone(std::int64_t row, const Column<Observation>& observations) {
+    std::vector<Key> now;
+    for (const Observation& each : observations) now.push_back(KeyOf(each));
+    std::ranges::sort(now);
+    select_.Bind(1, row);
+    std::uint64_t gone = 0;
+    while (select_.Step()) {
+      const auto keypoint = [&](int column) {
+        return select_.IsNull(column) ? Observation::kAbsent : static_cast<std::int32_t>(select_.Integer(column));
+      };
+      const Key key{select_.Integer(0), keypoint(1), keypoint(2)};
+      gone += std::ranges::binary_search(now, key) ? 0 : 1;
+    }
+    select_.Reset();
+    return gone;
+  }
   std::uint64_t Remove(std::int64_t row) {
     past_.Keep(Part::kObservations, row);
     remove_.Bind(1, row).Run();
@@ -121,9 +143,12 @@ class ObservationWriter {
   void Flush() { insert_.Flush(); }
 
  private:
+  using Key = std::tuple<std::int64_t, std::int32_t, std::int32_t>;  // keyframe, left and right keypoint
+  static Key KeyOf(const Observation& each) { return {ToColumn(each.keyframe), each.left, each.right}; }
+
   Database& database_;
   PastWriter& past_;
-  Statement remove_;
+  Statement select_, remove_;
   BatchInsert insert_;
 };
 
@@ -192,6 +217,7 @@ void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const At
   const ListPlan plan = PlanList(ids, stored, FirstRowOfMap(row));
   TableChanges& changes = context.changes["observation"];
   const TableChanges before = changes;
+  std::uint64_t stayed = 0;  // of points that have others besides
   ObservationWriter observations(context);
   RemovePoints(context, observations, plan.removed);
   WriteBoxes(context, plan, map, WritePoints(context, row, plan, map, hashes));
@@ -201,15 +227,20 @@ void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const At
     if (entry.stored != nullptr && entry.stored->details == hashes.observations[i]) {
       changes.unchanged += map.points[i].observations.size();
     } else {
-      if (entry.stored != nullptr) changes.deleted += observations.Remove(entry.row);
+      if (entry.stored != nullptr) {
+        const std::uint64_t gone = observations.CountGone(entry.row, map.points[i].observations);
+        const std::uint64_t were = observations.Remove(entry.row);
+        stayed += were - gone;
+        changes.deleted += were;
+      }
       observations.Write(row, entry.row, map.points[i].observations);
       changes.inserted += map.points[i].observations.size();
     }
     if (i % kReportEvery == kReportEvery - 1) context.Report(kReportEvery / 2);
   }
   observations.Flush();
-  context.map.observations_added += changes.inserted - before.inserted;
-  context.map.observations_removed += changes.deleted - before.deleted;
+  context.map.observations_added += changes.inserted - before.inserted - stayed;
+  context.map.observations_removed += changes.deleted - before.deleted - stayed;
   SaveOrder(context, row, "point", plan);
   context.Report(map.points.size() % kReportEvery);
 }

@@ -50,6 +50,10 @@ void CheckNotStandardStream(const std::string& path) {
     throw Error(ErrorKind::kUsage, path, "", "a store is a file; it cannot be a FIFO, a device or a socket");
 }
 
+bool HasAtlas(Database& database, const std::string& name) {
+  return Statement(database, "SELECT 1 FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step();
+}
+
 // Returns its row.
 std::int64_t Record(Database& database, const char* action, const std::string& name, const std::string& provenance,
                     const TableChanges& rows) {
@@ -111,9 +115,7 @@ struct Store::State {
   // The lock for a save. Where the store was removed because the save it was made for failed, in a new one.
   WriteTransaction Lock();
 
-  bool Has(const std::string& name) {
-    return Statement(database, "SELECT row FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step();
-  }
+  bool Has(const std::string& name) { return HasAtlas(database, name); }
   bool Holds(const std::string& name, std::int64_t hash) {
     Statement statement(database, "SELECT 1 FROM atlas WHERE name = ?1 AND hash = ?2", "table atlas");
     return statement.BindText(1, name).Bind(2, hash).Step();
@@ -210,20 +212,20 @@ Atlas LoadRevision(Database& database, const Named& named, const ReadOptions& op
 
 // A name for what is saved, that nobody could mean a revision by.
 void CheckIsNoRevision(Database& database, const std::string& name) {
-  if (Statement(database, "SELECT 1 FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step()) return;
-  bool is_revision = LooksLikeRevision(name);
-  if (!is_revision && name.find('@') != std::string::npos) {
-    try {
-      sqlite::Find(database, name);
-      is_revision = true;
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::kNotFound) throw;
-    }
-  }
-  if (is_revision)
+  if (HasAtlas(database, name)) return;
+  const std::string of = name.substr(0, name.rfind('@'));
+  if (LooksLikeRevision(name) || (of != name && HasAtlas(database, of)))
     throw Error(ErrorKind::kUsage, database.path(), "",
-                detail::Concat("'", name, "' stands for a revision of '", name.substr(0, name.rfind('@')),
+                detail::Concat("'", name, "' stands for a revision of '", of,
                                "', which is not saved over: save it without the @, which makes the next one"));
+}
+
+void CheckIsNewest(Database& database, const std::string& name, std::uint64_t revision) {
+  const auto newest = static_cast<std::uint64_t>(sqlite::Find(database, name).newest);
+  if (newest == revision) return;
+  throw Error(ErrorKind::kLocked, database.path(), "",
+              detail::Concat("'", name, "' has revision ", newest, " by now, and this was made of ", revision,
+                             ": nothing was saved; try again"));
 }
 
 Store::Store(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -356,11 +358,14 @@ SaveReport Store::State::SaveUnderLock(const std::string& name, const Atlas& atl
   if (!save_options.overwrite && Has(name))
     throw Error(ErrorKind::kAlreadyExists, database.path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
+  if (save_options.onto) CheckIsNewest(database, name, *save_options.onto);
   SaveReport report;
   SaveAtlas(database, name, atlas, hashes, save_options, was_edited ? Rewrite::kAll : Rewrite::kWhatDiffers, report);
   const std::int64_t history = Record(database, "save", name, save_options.provenance, report.Total());
-  RecordChanges(database, history, report);
-  AddRevision(database, sqlite::Find(database, name).atlas, history, save_options.from);
+  if (!report.unchanged) {
+    RecordChanges(database, history, report);
+    AddRevision(database, sqlite::Find(database, name).atlas, history, save_options.from);
+  }
   if (save_options.before_commit) save_options.before_commit();
   transaction.Commit();
   return report;
@@ -377,7 +382,8 @@ Atlas Store::Load(const std::string& name, const ReadOptions& options) {
       ReadOptions how = options;
       if (attempt == kLoadAttempts) how.threads = 1;  // one connection sees one moment, whoever saves
       Atlas atlas = LoadRevision(database, named, how);
-      if (options.part_sizes != nullptr) *options.part_sizes = PartSizesOf(database, named.atlas);
+      // What an earlier revision shares with the newest takes nothing of its own.
+      if (options.part_sizes != nullptr && named.is_newest()) *options.part_sizes = PartSizesOf(database, named.atlas);
       return atlas;
     } catch (const SnapshotChanged&) {
     } catch (const Error& error) {
@@ -418,6 +424,9 @@ SaveReport Store::Branch(const std::string& name, const std::string& branch, con
   SaveOptions how = options;
   how.from = FindRevision(name);
   how.overwrite = false;
+  if (state_->Has(branch))
+    throw Error(ErrorKind::kAlreadyExists, path(), "",
+                detail::Concat("holds an atlas named '", branch, "' already: call the branch something else"));
   if (how.provenance.empty()) how.provenance = "branch " + how.from->ToString();
   return Save(branch, Load(how.from->ToString(), {.threads = options.threads}), how);
 }
@@ -430,7 +439,11 @@ void Store::Tag(const std::string& name, const std::string& tag) {
         detail::Concat("'", tag, "' is no name for a revision: expected one such as 'release', without #, /, @, {, }, ",
                        "and not a number"));
   WriteTransaction transaction(state_->database);
-  SetTag(state_->database, sqlite::Find(state_->database, name), tag);
+  const Named named = sqlite::Find(state_->database, name);
+  if (const std::string other = named.name + "@" + tag; state_->Has(other))
+    throw Error(ErrorKind::kAlreadyExists, path(), "",
+                detail::Concat("holds an atlas named '", other, "', which would hide that tag: take another"));
+  SetTag(state_->database, named, tag);
   transaction.Commit();
 }
 

@@ -23,7 +23,7 @@ namespace slamdb {
 struct StoredAtlas : AtlasSummary {
   std::string name;
   std::uint64_t bytes = 0;     // about what it takes in the file
-  std::uint64_t revision = 0;  // counts the saves under this name, from 1
+  std::uint64_t revision = 0;  // the newest; counts the saves under this name that changed anything, from 1
   std::uint64_t hash = 0;      // HashOf (model/digest.h) of it
   std::string saved_at;        // UTC, `2026-01-31T12:00:00Z`
   std::string problem;         // what its row says that cannot be, as of one that was edited in SQL; empty: nothing
@@ -54,6 +54,7 @@ struct SaveOptions {
                         // a load; false: rows whose recorded hash is that of the new ones stay, whatever they hold, and
                         // where the hash of the atlas is that of the new one, none is looked at
   std::optional<RevisionName> from;     // what it was made of besides the revision before it, as by a merge
+  std::optional<std::uint64_t> onto;    // the revision that it was made of: Error (kLocked) unless that is the newest
   std::function<void()> before_commit;  // called when all rows are written, right before they are seen; may be empty
   int threads = 0;                      // 0: every core
   Progress progress;
@@ -149,7 +150,7 @@ class SLAMDB_EXPORT Store {
   std::string OnlyName();
 
   // Saves under `name`, as the next revision of the atlas of that name if there is one, by writing only the rows that
-  // differ. What they were stays, for the revisions before.
+  // differ. What they were stays, for the revisions before. Where nothing differs, there is no next one.
   //
   // A name is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters. A store that was made for a save that
   // fails is removed again.

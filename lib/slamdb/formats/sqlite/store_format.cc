@@ -64,9 +64,11 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
                                         .overwrite = options.overwrite,
                                         .verify = true,
                                         .from = how.from,
+                                        .onto = how.onto,
                                         .before_commit = options.before_commit,
                                         .threads = options.threads,
                                         .progress = options.progress});
+  if (report.unchanged) return notices.Note("atlas '" + name + "' is there as it is: no new revision");
   if (!report.replaced) return;
   const TableChanges rows = report.Total();
   notices.Note("replaced atlas '" + name + "': " + std::to_string(rows.inserted) + " rows new, " +
