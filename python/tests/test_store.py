@@ -378,7 +378,7 @@ def test_revisions(store, atlas):
     assert store.restore("lab@first") == 3
     assert (store.load("lab").maps[0].points.positions[0] == first).all()
     store.branch("lab@2", "robot7")
-    assert store.history("robot7").entries[0]["from"].revision == 2
+    assert store.history("robot7").entries[0]["from"]["revision"] == 2
     with pytest.raises(slamdb.AlreadyExistsError):
         store.branch("lab", "robot7")
     assert [entry.given_up for entry in store.gc(keep=1, dry_run=True).atlases if entry.name == "lab"] == [[]]

@@ -634,7 +634,7 @@ TEST(ThreeWayMaps, ASplitOneIsRefused) {
 TEST(ThreeWayRefusals, SayWhatToDo) {
   const Branched branched = Branch(kWorlds[4]);
   const Atlas stranger = MakeWorld(kWorlds[4], 1, 99);
-  const auto [base, ours, theirs] = branched;
+  const Atlas &base = branched.base, &ours = branched.ours, &theirs = branched.theirs;
   EXPECT_THAT(ErrorOf([&] { (void)MergeThreeWays(stranger, ours, theirs); }),
               AllOf(HasSubstr("ours: none of its 17 keyframes is one of base"), HasSubstr("`MergeAligned`")));
   EXPECT_THAT(ErrorOf([&] { (void)MergeThreeWays(base, ours, stranger); }),

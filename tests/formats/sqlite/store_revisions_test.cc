@@ -510,8 +510,7 @@ TEST_F(StoreRevisions, LostRowsAreMissed) {
   Save(atlas);
   const std::string good = folder_ / "good.db";
   Store::Open(path_).Backup(good);
-  for (const char* damage :
-       {"DELETE FROM past", "UPDATE past SET until = 1", "DELETE FROM past WHERE part = 8"}) {
+  for (const char* damage : {"DELETE FROM past", "UPDATE past SET until = 1", "DELETE FROM past WHERE part = 8"}) {
     Store::Open(good).Backup(path_, true);
     Sql(path_, damage);
     EXPECT_THAT(FindError("a@1"), HasSubstr("revision 1 of 'a', table ")) << damage;
@@ -534,7 +533,7 @@ TEST_F(StoreRevisions, HostileSizesTakeNoMemory) {
 
 TEST_F(StoreRevisions, ADamagedOrderIsFound) {
   Atlas atlas = SoundAtlas();
-  std::ranges::rotate(atlas.maps[0].points, atlas.maps[0].points.begin() + 3);
+  std::rotate(atlas.maps[0].points.begin(), atlas.maps[0].points.begin() + 3, atlas.maps[0].points.end());
   Save(SoundAtlas());
   Save(atlas);
   ExpectAllThere();
