@@ -54,7 +54,7 @@ CREATE TABLE revision (
   -- The revisions of an atlas that can be read: the newest, and those that `slamdb gc` has not given up. What made one,
   -- when, and who, is in `history`, where it stays when the revision goes.
   atlas INTEGER NOT NULL REFERENCES atlas (row),
-  number INTEGER NOT NULL,                    -- counts the saves under the name of the atlas, from 1
+  number INTEGER NOT NULL,                    -- counts the saves that changed the atlas, from 1
   history INTEGER NOT NULL REFERENCES history (row),
   -- What it was made of besides the revision before it: where it was branched off, or what was merged into it. NULL:
   -- nothing else. The name may be another atlas' by now; the hash says whether it is.
@@ -82,7 +82,7 @@ ALTER TABLE history ADD COLUMN keyframes_moved INTEGER      /* that have another
 ALTER TABLE history ADD COLUMN points_added INTEGER;
 ALTER TABLE history ADD COLUMN points_removed INTEGER;
 ALTER TABLE history ADD COLUMN points_moved INTEGER         /* that have another position */;
-ALTER TABLE history ADD COLUMN observations_added INTEGER   /* of points that are new, or have others than before */;
+ALTER TABLE history ADD COLUMN observations_added INTEGER   /* a keypoint of a keyframe that is a point */;
 ALTER TABLE history ADD COLUMN observations_removed INTEGER /* likewise */;
 
 -- The newest revision of each atlas can be read, as far as it is known which save made it.

@@ -26,7 +26,6 @@ struct MapChanges {
   std::uint64_t keyframes_moved = 0;  // that have another pose
   std::uint64_t points_added = 0, points_removed = 0;
   std::uint64_t points_moved = 0;  // that have another position
-  // Of points that are new, gone, or observed otherwise than before: all of theirs.
   std::uint64_t observations_added = 0, observations_removed = 0;
   friend bool operator==(const MapChanges&, const MapChanges&) = default;
 };

@@ -41,7 +41,7 @@ struct SaveReport {
   std::uint64_t revision = 0;  // that the save made
   std::uint64_t hash = 0;      // HashOf the atlas
   bool replaced = false;       // an atlas of that name was there
-  bool unchanged = false;      // by `keep_equal`: it was there as it is, and nothing was written
+  bool unchanged = false;      // it was there as it is: no revision was made, and at most the log tells of the save
 
   SLAMDB_EXPORT TableChanges Total() const;
 };
