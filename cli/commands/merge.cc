@@ -156,36 +156,35 @@ std::optional<Store> StoreOfBoth(const Location& first, const Location& second, 
   return same ? std::optional(Store::Open(first.path, wait)) : std::nullopt;
 }
 
-// How many keyframes of a base its continuation lacks, by their ids and times, and how many there are.
-std::pair<std::size_t, std::size_t> CountLacking(Store& store, const std::string& side, const RevisionName& base) {
-  const ReadOptions geometry{.features = FeatureColumns::kNone};
-  std::set<std::pair<std::uint64_t, double>> there;
-  for (const Map& map : store.Load(side, geometry).maps)
-    for (const KeyFrame& keyframe : map.keyframes) there.emplace(keyframe.id.value(), keyframe.timestamp);
-  std::size_t lacking = 0, all = 0;
-  for (const Map& map : store.Load(base.ToString(), geometry).maps)
-    for (const KeyFrame& keyframe : map.keyframes) {
-      ++all;
-      lacking += there.contains({keyframe.id.value(), keyframe.timestamp}) ? 0 : 1;
-    }
-  return {lacking, all};
+using KeyframeKey = std::pair<std::uint64_t, double>;  // id and time
+
+std::vector<KeyframeKey> KeyframesOf(Store& store, const std::string& name) {
+  std::vector<KeyframeKey> keys;
+  for (const Map& map : store.Load(name, {.features = FeatureColumns::kNone}).maps)
+    for (const KeyFrame& keyframe : map.keyframes) keys.emplace_back(keyframe.id.value(), keyframe.timestamp);
+  return keys;
 }
 
 // A side that lacks much of what it is said to come from was more likely saved from before that: all that it lacks
 // would count as deleted.
-void RefuseDoubtfulBase(Store& store, const std::string& path, const std::string& side, const RevisionName& base) {
+void RefuseDoubtfulBase(Store& store, const std::string& path, const std::vector<std::string>& sides,
+                        const RevisionName& base) {
   constexpr double kMostDeleted = 0.1, kFewDeleted = 3;
-  const auto [lacking, keyframes] = CountLacking(store, side, base);
-  if (static_cast<double>(lacking) <= std::max(kMostDeleted * static_cast<double>(keyframes), kFewDeleted)) return;
-  throw Error(ErrorKind::kNotPossible, path, "",
-              side + " lacks " + std::to_string(lacking) + " of the " + std::to_string(keyframes) + " keyframes of " +
-                  base.ToString() +
-                  ", which the history says it was made of: they would count as deleted. Where it was saved "
-                  "from before that, say what both were made of, as --base " +
-                  path +
-                  "#NAME@N ('slamdb log' lists them); "
-                  "where they were culled, --base " +
-                  path + "#" + base.ToString());
+  const std::vector<KeyframeKey> keyframes = KeyframesOf(store, base.ToString());
+  const double most = std::max(kMostDeleted * static_cast<double>(keyframes.size()), kFewDeleted);
+  for (const std::string& side : sides) {
+    const std::vector<KeyframeKey> keys = KeyframesOf(store, side);
+    const std::set<KeyframeKey> there(keys.begin(), keys.end());
+    const auto lacking = std::ranges::count_if(keyframes, [&](const KeyframeKey& key) { return !there.contains(key); });
+    if (static_cast<double>(lacking) <= most) continue;
+    const std::string name = path + "#" + base.ToString();
+    throw Error(ErrorKind::kNotPossible, path, "",
+                side + " lacks " + std::to_string(lacking) + " of the " + std::to_string(keyframes.size()) +
+                    " keyframes of " + base.ToString() +
+                    ", which the history says it was made of: they would count as deleted. Where it was saved from "
+                    "before that, say what both were made of, as --base " +
+                    path + "#NAME@N ('slamdb log' lists them); where they were culled, --base " + name);
+  }
 }
 
 // Of two atlases of a store: what both come from, if its history knows it and no other base is given; where the result
@@ -209,7 +208,7 @@ std::string FindBranches(MergeVerbOptions& options) {
       RefuseUsage("an atlas is called " + base->ToString() +
                   ", which hides the revision that both come from: say it with "
                   "--base");
-    for (const std::string& side : {ours.name, theirs.name}) RefuseDoubtfulBase(*store, ours.path, side, *base);
+    RefuseDoubtfulBase(*store, ours.path, {ours.name, theirs.name}, *base);
     options.base = ours.path + "#" + base->ToString();
     found = ours.name + " and " + theirs.name + " both come from " + base->ToString() +
             ": merged three ways; --no-base keeps their maps side by side";

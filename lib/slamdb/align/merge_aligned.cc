@@ -2,8 +2,8 @@
 #include "slamdb/align/merge_aligned.h"
 
 #include <algorithm>
-#include <iterator>
 
+#include "slamdb/align/detail/follow_tightening.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/merge/warnings.h"
 #include "slamdb/model/statistics.h"
@@ -78,25 +78,6 @@ std::vector<OptimizedJoin> Tighten(Atlas& atlas, const JoinAlignedReport& joined
   return rounds;
 }
 
-std::vector<MapPointId> PointsOf(const Atlas& atlas) {
-  std::vector<MapPointId> points;
-  for (const Map& map : atlas.maps)
-    for (const MapPoint& point : map.points) points.push_back(point.id);
-  std::ranges::sort(points);
-  return points;
-}
-
-void FollowIds(const std::vector<MapPointId>& before, const Atlas& atlas, const JoinAlignedReport& joined,
-               const std::vector<OptimizedJoin>& tightened, std::vector<IdMap>& id_maps) {
-  std::vector<MapPointId> gone;
-  std::ranges::set_difference(before, PointsOf(atlas), std::back_inserter(gone));
-  for (IdMap& ids : id_maps) {
-    for (const JoinReport& join : joined.joins) FollowJoin(join, ids);
-    for (const OptimizedJoin& round : tightened) FollowFuse(round.fused, ids);
-    FollowRemoval(gone, ids);
-  }
-}
-
 }  // namespace
 
 MergeAlignedResult MergeAligned(std::vector<Atlas> inputs, const MergeAlignedOptions& options, Notices& notices) {
@@ -117,10 +98,12 @@ MergeAlignedResult MergeAligned(std::vector<Atlas> inputs, const MergeAlignedOpt
     throw Error(ErrorKind::kNotPossible, called.front(), "",
                 "there is only one map with keyframes; name another atlas to align it with");
   const bool follow = !report.id_maps.empty();
-  const std::vector<MapPointId> points = follow ? PointsOf(atlas) : std::vector<MapPointId>();
+  const std::vector<MapPointId> points = follow ? detail::SortedPoints(atlas) : std::vector<MapPointId>();
   result.joined = Align(result.merged, options, result.names, notices);
   result.tightened = Tighten(atlas, result.joined, options, notices);
-  if (follow) FollowIds(points, atlas, result.joined, result.tightened, report.id_maps);
+  for (IdMap& ids : report.id_maps)
+    for (const JoinReport& join : result.joined.joins) FollowJoin(join, ids);
+  if (follow) detail::FollowTightening(result.tightened, points, atlas, report.id_maps);
   if (result.any()) TellWarnings(report, notices);
   return result;
 }

@@ -2,11 +2,11 @@
 #include "slamdb/align/merge_branches.h"
 
 #include <algorithm>
-#include <iterator>
 #include <unordered_set>
 #include <utility>
 
 #include "slamdb/align/detail/find_across.h"
+#include "slamdb/align/detail/follow_tightening.h"
 #include "slamdb/edit/merge/merge.h"
 #include "slamdb/edit/merge/observe.h"
 #include "slamdb/optimize/detail/require_ceres.h"
@@ -58,14 +58,6 @@ OptimizedJoin Tighten(Atlas& atlas, MapId id, const Sides& sides, const ThreeWay
   return round;
 }
 
-std::vector<MapPointId> PointsOf(const Atlas& atlas) {
-  std::vector<MapPointId> points;
-  for (const Map& map : atlas.maps)
-    for (const MapPoint& point : map.points) points.push_back(point.id);
-  std::ranges::sort(points);
-  return points;
-}
-
 }  // namespace
 
 MergeBranchesResult MergeBranches(Atlas base, Atlas ours, Atlas theirs, const ThreeWayOptions& options) {
@@ -78,16 +70,11 @@ MergeBranchesResult MergeBranches(Atlas base, Atlas ours, Atlas theirs, const Th
   Atlas& atlas = result.merged.atlas;
   ThreeWayReport& report = result.merged.report;
   if (optimizes) {
-    const std::vector<MapPointId> before = PointsOf(atlas);
+    const std::vector<MapPointId> before = detail::SortedPoints(atlas);
     const Sides sides(report.id_maps);
     for (const MergedBranchMap& map : report.maps)
       for (int round = 0; round < kRounds; ++round) result.tightened.push_back(Tighten(atlas, map.map, sides, options));
-    std::vector<MapPointId> gone;
-    std::ranges::set_difference(before, PointsOf(atlas), std::back_inserter(gone));
-    for (IdMap& ids : report.id_maps) {
-      for (const OptimizedJoin& round : result.tightened) FollowFuse(round.fused, ids);
-      FollowRemoval(gone, ids);
-    }
+    detail::FollowTightening(result.tightened, before, atlas, report.id_maps);
   }
   if (!options.id_maps) report.id_maps.clear();
   return result;

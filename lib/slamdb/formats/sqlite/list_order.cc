@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/plan.h"
 #include "slamdb/model/detail/packing.h"
@@ -93,14 +94,7 @@ constexpr Numbered kNumbered[] = {
     {"landmark", "landmark", "UPDATE landmark SET row = ?2 WHERE row = ?1"},
 };
 
-std::vector<std::int64_t> Rows(Database& database, const std::string& sql, std::string place) {
-  Statement select(database, sql, std::move(place));
-  std::vector<std::int64_t> rows;
-  while (select.Step()) rows.push_back(select.Integer(0));
-  return rows;
-}
-
-void MakeAscend(Database& database, std::int64_t map, const char* list, const std::string& table) {
+void MakeAscend(Database& database, std::int64_t map, const char* list, std::string_view table) {
   const std::vector<std::int64_t> rows = RowsInOrder(database, map, list, table);
   if (std::ranges::is_sorted(rows)) return;
   const std::int64_t first = *std::ranges::max_element(rows) + 1;
@@ -118,18 +112,15 @@ void MakeAscend(Database& database, std::int64_t map, const char* list, const st
 }  // namespace
 
 std::vector<std::int64_t> RowsInOrder(Database& database, std::int64_t map, std::string_view list,
-                                      const std::string& table) {
-  std::vector<std::int64_t> rows = Rows(database,
-                                        detail::Concat("SELECT row FROM ", table, " WHERE row BETWEEN ",
-                                                       FirstRowOfMap(map), " AND ", LastRowOfMap(map), " ORDER BY row"),
-                                        "table " + table);
+                                      std::string_view table) {
+  const std::vector<std::int64_t> rows = RowsOfList(database, table, map);
   std::vector<std::int64_t> in_order = rows;
   ListOrder::Of(database, map, list).Sort(rows, in_order);
   return in_order;
 }
 
 void MakeListsAscend(Database& database) {
-  for (const std::int64_t map : Rows(database, "SELECT row FROM map ORDER BY row", "table map")) {
+  for (const std::int64_t map : Statement(database, "SELECT row FROM map ORDER BY row", "table map").Integers()) {
     MakeAscend(database, map, "keyframe", "keyframe");
     MakeAscend(database, map, "point", "map_point");
     MakeAscend(database, map, "landmark", "landmark");

@@ -220,10 +220,7 @@ std::vector<RepeatedEntry> LoadRepeated(Database& database, std::int64_t atlas, 
 
 std::vector<std::int64_t> RowsOfMaps(Database& database, std::int64_t atlas) {
   Statement statement(database, "SELECT row FROM map WHERE atlas = ?1 ORDER BY position", "table map");
-  statement.Bind(1, atlas);
-  std::vector<std::int64_t> rows;
-  while (statement.Step()) rows.push_back(statement.Integer(0));
-  return rows;
+  return statement.Bind(1, atlas).Integers();
 }
 
 Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row) {

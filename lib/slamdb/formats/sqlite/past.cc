@@ -5,8 +5,9 @@
 #include <unordered_set>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
-#include "slamdb/formats/sqlite/detail/plan.h"
+#include "slamdb/formats/sqlite/detail/revisions.h"
 #include "slamdb/formats/sqlite/detail/row_pack.h"
 
 namespace slamdb::sqlite {
@@ -39,16 +40,6 @@ bool IsCarried(Part part) { return part >= Part::kCarriedByAtlas; }
 constexpr Part kOfKeyframe[] = {Part::kFeatures, Part::kLinks, Part::kCarriedByKeyframe};
 constexpr Part kOfPoint[] = {Part::kObservations, Part::kCarriedByPoint};
 
-std::vector<std::int64_t> RowsOfList(Database& database, Part part, std::int64_t map) {
-  const std::string table(RowsOf(part).table);
-  Statement statement(database, "SELECT row FROM " + table + " WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
-                      "table " + table);
-  statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
-  std::vector<std::int64_t> rows;
-  while (statement.Step()) rows.push_back(statement.Integer(0));
-  return rows;
-}
-
 // Fills the database of a PastRows.
 class Restorer {
  public:
@@ -67,9 +58,9 @@ class Restorer {
     for (const Part part :
          {Part::kAtlas, Part::kCameras, Part::kRepeated, Part::kCarriedByAtlas, Part::kCarriedByCameras})
       Complete(part, atlas_);
-    for (const std::int64_t map : Rows("SELECT row FROM map WHERE atlas = ?1 ORDER BY row", atlas_)) {
+    for (const std::int64_t map : RowsOfMaps(database_, atlas_)) {
       Complete(Part::kMap, map);
-      for (const std::int64_t row : RowsOfList(database_, Part::kLandmark, map)) Complete(Part::kLandmark, row);
+      for (const std::int64_t row : RowsOfList(database_, "landmark", map)) Complete(Part::kLandmark, row);
     }
     Statement maps(past_.rows, "SELECT row FROM map ORDER BY row", "table past");
     while (maps.Step())
@@ -83,14 +74,6 @@ class Restorer {
   }
 
  private:
-  std::vector<std::int64_t> Rows(const char* sql, std::int64_t of) {
-    Statement statement(database_, sql, "table map");
-    statement.Bind(1, of);
-    std::vector<std::int64_t> rows;
-    while (statement.Step()) rows.push_back(statement.Integer(0));
-    return rows;
-  }
-
   // Of each part, what it was before the first save behind the revision that changed it.
   void TakeKept() {
     Statement kept(database_,
@@ -150,12 +133,8 @@ class Restorer {
   }
   // Rows of `past` that are gone leave another revision, which is sound in itself.
   void CompareHash() {
-    Statement logged(database_,
-                     "SELECT hash FROM revision JOIN history ON history.row = history WHERE revision.atlas = ?1 AND "
-                     "number = ?2",
-                     "table revision");
-    if (logged.Bind(1, atlas_).Bind(2, revision_).Step() &&
-        logged.Integer(0) != past_.rows.Integer("SELECT hash FROM atlas"))
+    const std::optional<std::int64_t> logged = HashOfRevision(database_, atlas_, revision_);
+    if (logged && *logged != past_.rows.Integer("SELECT hash FROM atlas"))
       throw Error(ErrorKind::kDamaged, database_.path(), "table past",
                   "what is kept is not what the log says was saved: the store is damaged");
   }
@@ -219,7 +198,7 @@ void PastWriter::KeepMap(std::int64_t map) {
   if (!keeps()) return;
   for (const Part part : {Part::kMap, Part::kOrigins, Part::kCarriedByMap}) Keep(part, map);
   const auto keep_list = [&](Part entity, std::span<const Part> parts) {
-    for (const std::int64_t row : RowsOfList(database_, entity, map)) {
+    for (const std::int64_t row : RowsOfList(database_, RowsOf(entity).table, map)) {
       Keep(entity, row);
       for (const Part part : parts) Keep(part, row);
     }

@@ -10,10 +10,8 @@ namespace slamdb::sqlite {
 namespace {
 
 std::vector<std::int64_t> KeyframesWithFeatures(Database& database) {
-  Statement select(database, "SELECT keyframe FROM keyframe_features ORDER BY keyframe", "table keyframe_features");
-  std::vector<std::int64_t> rows;
-  while (select.Step()) rows.push_back(select.Integer(0));
-  return rows;
+  return Statement(database, "SELECT keyframe FROM keyframe_features ORDER BY keyframe", "table keyframe_features")
+      .Integers();
 }
 
 }  // namespace
@@ -42,10 +40,7 @@ std::vector<std::int64_t> PicturesOf(Database& database, std::int64_t atlas) {
                    "(map.row << 32) + 4294967295 WHERE map.atlas = ?1 "
                    "UNION SELECT picture FROM past WHERE atlas = ?1 AND picture IS NOT NULL ORDER BY picture",
                    "table picture");
-  select.Bind(1, atlas);
-  std::vector<std::int64_t> pictures;
-  while (select.Step()) pictures.push_back(select.Integer(0));
-  return pictures;
+  return select.Bind(1, atlas).Integers();
 }
 
 std::uint64_t DeleteUnused(Database& database, std::span<const std::int64_t> pictures) {

@@ -171,12 +171,8 @@ void SavePlaceWords(SaveContext& context, std::int64_t map_row, const Map& map, 
 
 void RebuildPlaceWords(Database& database) {
   database.Execute("DELETE FROM keyframe_words");
-  std::vector<std::int64_t> maps;
-  {
-    Statement statement(database, "SELECT row FROM map ORDER BY row", "table map");
-    while (statement.Step()) maps.push_back(statement.Integer(0));
-  }
-  for (const std::int64_t map : maps) RebuildMap(database, map);
+  for (const std::int64_t map : Statement(database, "SELECT row FROM map ORDER BY row", "table map").Integers())
+    RebuildMap(database, map);
 }
 
 }  // namespace slamdb::sqlite

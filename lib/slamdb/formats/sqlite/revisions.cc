@@ -68,10 +68,7 @@ std::optional<Named> FindNewest(Database& database, std::string_view name) {
 
 std::vector<std::int64_t> NumbersOf(Database& database, std::int64_t atlas) {
   Statement select(database, "SELECT number FROM revision WHERE atlas = ?1 ORDER BY number", "table revision");
-  select.Bind(1, atlas);
-  std::vector<std::int64_t> numbers;
-  while (select.Step()) numbers.push_back(select.Integer(0));
-  return numbers;
+  return select.Bind(1, atlas).Integers();
 }
 
 // `2, 5 to 9`.
@@ -127,13 +124,6 @@ std::int64_t NumberIn(Database& database, const Named& newest, std::string_view 
   return select.Integer(0);
 }
 
-std::string AllNames(Database& database) {
-  std::string names;
-  Statement select(database, "SELECT name FROM atlas ORDER BY name", "table atlas");
-  while (select.Step()) names += (names.empty() ? "; it holds " : ", ") + select.Text(0);
-  return names.empty() ? "; the store is empty" : names;
-}
-
 // ---- giving revisions up
 
 std::string DaysAgo(double days) {
@@ -155,10 +145,11 @@ std::vector<std::int64_t> KeptOf(Database& database, const Named& atlas, const G
   const std::size_t last =
       std::min<std::uint64_t>(std::max<std::uint64_t>(options.keep.value_or(1), 1), numbers.size());
   if (numbers.empty()) return {};
-  select.Bind(1, atlas.atlas).Bind(2, numbers[numbers.size() - last]).BindText(3, since).BindText(4, atlas.name);
-  std::vector<std::int64_t> kept;
-  while (select.Step()) kept.push_back(select.Integer(0));
-  return kept;
+  return select.Bind(1, atlas.atlas)
+      .Bind(2, numbers[numbers.size() - last])
+      .BindText(3, since)
+      .BindText(4, atlas.name)
+      .Integers();
 }
 
 // Of several changes of the same part the earliest tells what it was in the revision before all of them.
@@ -188,6 +179,13 @@ void GiveUpAllBut(Database& database, const Named& atlas, const std::vector<std:
 }
 
 }  // namespace
+
+std::string AllNames(Database& database) {
+  std::string names;
+  Statement select(database, "SELECT name FROM atlas ORDER BY name", "table atlas");
+  while (select.Step()) names += (names.empty() ? "; it holds " : ", ") + select.Text(0);
+  return names.empty() ? "; the store is empty" : names;
+}
 
 Named Find(Database& database, std::string_view text) {
   if (std::optional<Named> whole = FindNewest(database, text)) return *whole;
@@ -221,16 +219,19 @@ void AddRevision(Database& database, std::int64_t atlas, std::int64_t history,
   insert.Run();
 }
 
-RevisionName NameOf(Database& database, const Named& named) {
+std::optional<std::int64_t> HashOfRevision(Database& database, std::int64_t atlas, std::int64_t number) {
   Statement select(
       database,
       "SELECT hash FROM revision JOIN history ON history.row = history WHERE revision.atlas = ?1 AND number "
       "= ?2",
       "table revision");
-  RevisionName name{named.name, static_cast<std::uint64_t>(named.number), 0};
-  if (select.Bind(1, named.atlas).Bind(2, named.number).Step())
-    name.hash = static_cast<std::uint64_t>(select.Integer(0));
-  return name;
+  if (!select.Bind(1, atlas).Bind(2, number).Step()) return std::nullopt;
+  return select.Integer(0);
+}
+
+RevisionName NameOf(Database& database, const Named& named) {
+  const std::int64_t hash = HashOfRevision(database, named.atlas, named.number).value_or(0);
+  return {named.name, static_cast<std::uint64_t>(named.number), static_cast<std::uint64_t>(hash)};
 }
 
 void SetTag(Database& database, const Named& named, const std::string& tag) {

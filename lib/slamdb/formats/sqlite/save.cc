@@ -337,9 +337,7 @@ void CountUnchanged(const Atlas& atlas, ChangeCounter& changes) {
   std::uint64_t links = 0, observations = 0, landmarks = 0;
   for (const Map& map : atlas.maps) {
     for (const char* table : {"keyframe", "keyframe_features"}) changes[table].unchanged += map.keyframes.size();
-    for (const KeyFrame& keyframe : map.keyframes)
-      links += keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
-               keyframe.merge_edges.size();
+    for (const KeyFrame& keyframe : map.keyframes) links += CountLinks(keyframe);
     changes["map_point"].unchanged += map.points.size();
     for (const MapPoint& point : map.points) observations += point.observations.size();
     landmarks += map.landmarks.size();

@@ -124,8 +124,7 @@ class LinkWriter {
       add("covisible", i, keyframe.connections[i].keyframe, std::int64_t{keyframe.connections[i].weight});
     add_list("loop", keyframe.loop_edges);
     add_list("merge", keyframe.merge_edges);
-    return keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
-           keyframe.merge_edges.size();
+    return CountLinks(keyframe);
   }
   void Flush() { insert_.Flush(); }
 
@@ -265,8 +264,7 @@ std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, 
     const StoredRow* old = plan.entries[i].stored;
     TableChanges& changes = context.changes["keyframe_link"];
     if (old != nullptr && old->details == hashes.links[i]) {
-      changes.unchanged += keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
-                           keyframe.merge_edges.size();
+      changes.unchanged += CountLinks(keyframe);
       continue;
     }
     if (old != nullptr) changes.deleted += links.Remove(plan.entries[i].row);

@@ -18,7 +18,13 @@ constexpr std::size_t kReportEvery = 4096;
 // The rows of map_point. Flush() after the last.
 class PointWriter {
  public:
-  explicit PointWriter(SaveContext& context) : PointWriter(context.database, context.past) {}
+  explicit PointWriter(SaveContext& context)
+      : past_(context.past),
+        remove_(context.database, "DELETE FROM map_point WHERE row = ?1", "table map_point"),
+        is_at_(context.database, "SELECT 1 FROM map_point WHERE row = ?1 AND x IS ?2 AND y IS ?3 AND z IS ?4",
+               "table map_point"),
+        insert_(context.database, "map_point", 26),
+        carried_(context.database, CarriedKind::kPoint) {}
 
   // Whether the position that is stored is another one.
   bool Moves(std::int64_t row, const MapPoint& point) {
@@ -71,14 +77,6 @@ class PointWriter {
 
  private:
   using Reals = std::array<float, 8>;
-
-  PointWriter(Database& database, PastWriter& past)
-      : past_(past),
-        remove_(database, "DELETE FROM map_point WHERE row = ?1", "table map_point"),
-        is_at_(database, "SELECT 1 FROM map_point WHERE row = ?1 AND x IS ?2 AND y IS ?3 AND z IS ?4",
-               "table map_point"),
-        insert_(database, "map_point", 26),
-        carried_(database, CarriedKind::kPoint) {}
 
   // What REAL columns do not keep.
   Value ExactOf(const Reals& reals) {

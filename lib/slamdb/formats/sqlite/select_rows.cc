@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/plan.h"
 
@@ -14,19 +15,6 @@ bool LimitsTime(const Selection& selection) {
          selection.end_time < std::numeric_limits<double>::infinity();
 }
 
-std::vector<std::int64_t> ReadRows(Statement& statement) {
-  std::vector<std::int64_t> rows;
-  while (statement.Step()) rows.push_back(statement.Integer(0));
-  return rows;
-}
-
-std::vector<std::int64_t> AllPointRows(Database& database, std::int64_t map) {
-  Statement statement(database, "SELECT row FROM map_point WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
-                      "table map_point");
-  statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
-  return ReadRows(statement);
-}
-
 // An unbounded box holds points that the R*Tree does not order well, at infinity: they are looked at one by one.
 std::vector<std::int64_t> PointRowsByScan(Database& database, std::int64_t map, const Eigen::AlignedBox3f& box) {
   Statement statement(
@@ -38,10 +26,16 @@ std::vector<std::int64_t> PointRowsByScan(Database& database, std::int64_t map, 
   for (int axis = 0; axis < 3; ++axis) {
     statement.BindReal(3 + 2 * axis, box.min()[axis]).BindReal(4 + 2 * axis, box.max()[axis]);
   }
-  return ReadRows(statement);
+  return statement.Integers();
 }
 
 }  // namespace
+
+std::vector<std::int64_t> RowsOfList(Database& database, std::string_view table, std::int64_t map) {
+  Statement statement(database, detail::Concat("SELECT row FROM ", table, " WHERE row BETWEEN ?1 AND ?2 ORDER BY row"),
+                      detail::Concat("table ", table));
+  return statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map)).Integers();
+}
 
 std::string IdCondition(std::uint64_t first, std::uint64_t last) {
   constexpr std::uint64_t kSignBit = std::uint64_t{1} << 63;
@@ -75,7 +69,7 @@ std::vector<std::int64_t> KeyframeRows(Database& database, std::int64_t map, con
 }
 
 std::vector<std::int64_t> PointRows(Database& database, std::int64_t map, const Selection& selection) {
-  if (!selection.box) return AllPointRows(database, map);
+  if (!selection.box) return RowsOfList(database, "map_point", map);
   const Eigen::AlignedBox3f& box = *selection.box;
   if (!box.min().allFinite() || !box.max().allFinite()) return PointRowsByScan(database, map, box);
   Statement statement(
@@ -87,7 +81,7 @@ std::vector<std::int64_t> PointRows(Database& database, std::int64_t map, const 
   for (int axis = 0; axis < 3; ++axis) {
     statement.BindReal(3 + 2 * axis, box.min()[axis]).BindReal(4 + 2 * axis, box.max()[axis]);
   }
-  return ReadRows(statement);
+  return statement.Integers();
 }
 
 }  // namespace slamdb::sqlite

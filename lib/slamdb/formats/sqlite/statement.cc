@@ -63,6 +63,13 @@ void Statement::Run() {
   Reset();
 }
 
+std::vector<std::int64_t> Statement::Integers() {
+  std::vector<std::int64_t> integers;
+  while (Step()) integers.push_back(Integer(0));
+  Reset();
+  return integers;
+}
+
 double Statement::Real(int column) const {
   const double value = sqlite3_column_double(handle_.get(), column);
   return value == 0 && IsNull(column) ? std::numeric_limits<double>::quiet_NaN() : value;  // 0 for NULL, too

@@ -126,11 +126,6 @@ struct Store::State {
     while (statement.Step()) names.push_back(statement.Text(0));
     return names;
   }
-  std::string Known() {
-    std::string known;
-    for (const std::string& name : Names()) known += (known.empty() ? "" : ", ") + name;
-    return known.empty() ? "; the store is empty" : "; it holds " + known;
-  }
   // A store that was made for a save that failed goes again. Others may have come to it meanwhile: it is removed by
   // who is alone with it, holds its lock and finds it empty; a writer who still waits for that lock notices
   // (CheckStillThere).
@@ -318,7 +313,7 @@ std::string Store::OnlyName() {
   statement.Step();
   if (statement.Integer(0) == 1) return statement.Text(1);
   if (statement.Integer(0) == 0) throw Error(ErrorKind::kNotFound, path(), "", "the store holds no atlas");
-  throw Error(ErrorKind::kUsage, path(), "", "say which atlas, as " + path() + "#NAME" + state_->Known());
+  throw Error(ErrorKind::kUsage, path(), "", "say which atlas, as " + path() + "#NAME" + AllNames(state_->database));
 }
 
 SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) {

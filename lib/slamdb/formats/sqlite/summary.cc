@@ -121,12 +121,8 @@ void SaveSummary(Database& database, std::int64_t atlas, const AtlasSummary& sum
 }
 
 void SaveMissingSummaries(Database& database) {
-  std::vector<std::int64_t> rows;
-  {
-    Statement statement(database, "SELECT row FROM atlas WHERE sensors IS NULL", "table atlas");
-    while (statement.Step()) rows.push_back(statement.Integer(0));
-  }
-  for (const std::int64_t row : rows) {
+  for (const std::int64_t row :
+       Statement(database, "SELECT row FROM atlas WHERE sensors IS NULL", "table atlas").Integers()) {
     try {
       // One thread, as no other connection sees what the transaction has changed.
       SaveSummary(database, row,

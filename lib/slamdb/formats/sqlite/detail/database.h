@@ -140,7 +140,8 @@ class Statement {
 
   bool Step();  // true: a row is there
   void Reset();
-  void Run();  // steps through and resets, for statements without result
+  void Run();                            // steps through and resets, for statements without result
+  std::vector<std::int64_t> Integers();  // steps through and resets; the first column of each row
 
   int Columns() const { return sqlite3_column_count(handle_.get()); }
   int Type(int column) const { return sqlite3_column_type(handle_.get(), column); }  // SQLITE_INTEGER, ...

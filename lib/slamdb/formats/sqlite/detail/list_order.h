@@ -57,7 +57,7 @@ class ListOrder {
 
 // The rows of a list, which are those of `table`, in its order.
 std::vector<std::int64_t> RowsInOrder(Database& database, std::int64_t map, std::string_view list,
-                                      const std::string& table);
+                                      std::string_view table);
 
 // The step from version 7 back to 6, which knows no order: gives the entries of lists that have one new rows, which
 // ascend. Throws Error (kNotPossible) where a map has no more rows.

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slamdb/formats/format.h"
@@ -74,6 +75,9 @@ void LoadCameras(Database& database, std::int64_t row, Atlas& atlas);
 // The rows of an atlas' maps, in their order, and one of them without its lists.
 std::vector<std::int64_t> RowsOfMaps(Database& database, std::int64_t atlas);
 Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row);
+
+// The rows of a map's list, ascending. `table` is keyframe, map_point or landmark.
+std::vector<std::int64_t> RowsOfList(Database& database, std::string_view table, std::int64_t map);
 
 // ` AND ...` on unsigned ids, both included, in the column `id` of signed integers, with parameters ?3 and ?4; empty
 // when all ids are meant.

@@ -24,12 +24,17 @@ struct Named {
 // Throws Error: kNotFound naming the atlases or revisions that there are.
 Named Find(Database& database, std::string_view text);
 
+// `; it holds a, b`, for errors about names.
+std::string AllNames(Database& database);
+
 // Whether something that ends like this reads like a revision whatever the store has: a number, a date.
 bool LooksLikeRevision(std::string_view name);
 
 // Enters the newest revision of an atlas, which `history` tells of.
 void AddRevision(Database& database, std::int64_t atlas, std::int64_t history, const std::optional<RevisionName>& from);
 
+// What the log says was saved; nothing where it does not know.
+std::optional<std::int64_t> HashOfRevision(Database& database, std::int64_t atlas, std::int64_t number);
 RevisionName NameOf(Database& database, const Named& named);  // with its hash
 
 void SetTag(Database& database, const Named& named, const std::string& tag);

@@ -70,6 +70,12 @@ void SaveLandmarks(SaveContext& context, std::int64_t row, const Map& map, const
 std::vector<StoredRow> ReadStoredRows(Database& database, const std::string& table, const std::string& details_hash,
                                       std::int64_t map, std::size_t expected);
 
+// How many rows of keyframe_link a keyframe has.
+inline std::size_t CountLinks(const KeyFrame& keyframe) {
+  return keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
+         keyframe.merge_edges.size();
+}
+
 // ---- values as columns
 
 inline std::int64_t ToColumn(std::uint64_t value) { return static_cast<std::int64_t>(value); }
