@@ -19,7 +19,7 @@
 #include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/model/statistics.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/support/boost_reference/boost_reference.h"

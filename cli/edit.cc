@@ -14,7 +14,7 @@
 #include "slamdb/edit/words/mend.h"
 #include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 #include "slamdb/many/names.h"
 
 namespace slamdb::cli {

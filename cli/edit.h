@@ -16,7 +16,7 @@
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
 #include "slamdb/formats/results.h"
-#include "slamdb/formats/sqlite/revisions.h"
+#include "slamdb/formats/rows/revisions.h"
 #include "slamdb/model/content.h"
 
 // The frame of the verbs that change an atlas: read the input, call one function of the library, write the output, say

@@ -19,7 +19,7 @@
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/orbslam3/boost_versions.h"
 #include "slamdb/formats/orbslam3/options.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 
 namespace slamdb::cli {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "cli/console.h"
 #include "cli/options.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 
 namespace slamdb::cli {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cli/options.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 
 namespace slamdb::cli {
 

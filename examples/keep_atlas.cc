@@ -6,7 +6,7 @@
 
 #include "slamdb/checks/check.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 
 namespace {
 

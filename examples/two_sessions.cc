@@ -14,7 +14,7 @@
 #include <tuple>
 
 #include "slamdb/checks/check.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 #include "slamdb/live/atlas.h"
 #include "slamdb/live/bridge.h"
 #include "slamdb/live/checkpointer.h"

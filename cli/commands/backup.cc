@@ -6,7 +6,7 @@
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 
 namespace slamdb::cli {
 namespace {

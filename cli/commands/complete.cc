@@ -9,7 +9,7 @@
 #include "cli/options.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 
 namespace slamdb::cli {
 namespace {

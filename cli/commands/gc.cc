@@ -7,7 +7,7 @@
 #include "cli/report/layout.h"
 #include "cli/values.h"
 #include "slamdb/base/error.h"
-#include "slamdb/formats/sqlite/report.h"
+#include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {
 namespace {

@@ -15,7 +15,7 @@
 #include "slamdb/align/locate_report.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/many/locate_pictures.h"
 
 namespace slamdb::cli {

@@ -22,7 +22,7 @@
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/warnings.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/many/names.h"
 #include "slamdb/optimize/warnings.h"
 

@@ -3,7 +3,7 @@
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 
 namespace slamdb::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include "cli/report/layout.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/salvage.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 
 namespace slamdb::cli {
 namespace {

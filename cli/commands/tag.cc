@@ -5,7 +5,7 @@
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/revisions.h"
-#include "slamdb/formats/sqlite/report.h"
+#include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/merge.h"
 #include "slamdb/edit/merge/warnings.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 #include "slamdb/many/inputs.h"
 #include "slamdb/many/locate_pictures.h"
 #include "slamdb/many/maps_to_align.h"

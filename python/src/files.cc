@@ -17,7 +17,7 @@
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/results.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 #include "slamdb/many/selected.h"
 
 // Reading and writing. slamdb/files.py documents what is here.

@@ -16,7 +16,7 @@
 #include "slamdb/formats/mrpt/options.h"
 #include "slamdb/formats/orbslam3/boost_versions.h"
 #include "slamdb/formats/orbslam3/options.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 #include "slamdb/formats/trajectories.h"
 #include "slamdb/many/convert.h"
 #include "slamdb/many/names.h"

@@ -8,7 +8,7 @@
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/edit/tables/tables.h"
 #include "slamdb/formats/salvage.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 #include "slamdb/many/check.h"
 
 // Checks, repairs and comparisons. slamdb/verbs.py documents what is here.

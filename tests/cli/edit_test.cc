@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "tests/support/cli.h"
 
 namespace slamdb::testing {

@@ -15,7 +15,7 @@
 
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "tests/cli/verbs.h"
 #include "tests/support/cli.h"
 #include "tests/support/needs_proc.h"

@@ -13,7 +13,7 @@
 #include <memory>
 
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "tests/cli/verbs.h"
 #include "tests/support/cli.h"
 

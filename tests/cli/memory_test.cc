@@ -11,7 +11,7 @@
 #include "slamdb/base/detail/sanitizers.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "tests/cli/verbs.h"
 #include "tests/support/cli.h"
 #include "tests/support/needs_proc.h"

@@ -9,7 +9,7 @@
 
 #include "cli/command.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "tests/support/cli.h"
 
 namespace slamdb::testing {

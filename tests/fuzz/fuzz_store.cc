@@ -10,7 +10,7 @@
 #include "slamdb/edit/repair/recover.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/salvage.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/model/digest.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/fuzz/fuzz.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "slamdb/base/error.h"
-#include "slamdb/formats/sqlite/detail/features_blob.h"
+#include "slamdb/formats/rows/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/require.h"
@@ -22,9 +22,9 @@ struct Blobs {
 void Encode(const slamdb::KeyFrame& keyframe, Blobs& blobs) {
   slamdb::detail::EncodeDetails(keyframe, blobs.details);
   slamdb::detail::ByteWriter picture, points;
-  slamdb::sqlite::EncodePicture(keyframe, picture);
-  slamdb::sqlite::EncodePoints(keyframe, points);
-  const std::string whole = slamdb::sqlite::Join(picture.bytes(), points.bytes());
+  slamdb::rows::EncodePicture(keyframe, picture);
+  slamdb::rows::EncodePoints(keyframe, points);
+  const std::string whole = slamdb::rows::Join(picture.bytes(), points.bytes());
   blobs.features.PutBytes(std::as_bytes(std::span(whole)));
 }
 
@@ -34,8 +34,8 @@ slamdb::KeyFrame Decode(const std::uint8_t* counts, Bytes details, Bytes feature
   keyframe.features.left_count = static_cast<std::int8_t>(counts[1]);
   keyframe.features.right_count = static_cast<std::int8_t>(counts[2]);
   slamdb::detail::DecodeDetails(details, keyframe);
-  const slamdb::sqlite::SplitFeatures split = slamdb::sqlite::Split(features);
-  slamdb::sqlite::DecodeFeatures(std::as_bytes(std::span(split.picture)), split.points, keyframe);
+  const slamdb::rows::SplitFeatures split = slamdb::rows::Split(features);
+  slamdb::rows::DecodeFeatures(std::as_bytes(std::span(split.picture)), split.points, keyframe);
   return keyframe;
 }
 

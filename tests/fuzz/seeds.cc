@@ -15,7 +15,7 @@
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/osmap/detail/osmap.h"
-#include "slamdb/formats/sqlite/detail/features_blob.h"
+#include "slamdb/formats/rows/detail/features_blob.h"
 #include "slamdb/model/detail/record.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/layouts/invented_layouts.h"
@@ -55,9 +55,9 @@ void WriteDamaged(const path& folder, const std::string& name, const Crafted& cr
 std::string StoreSeed(const KeyFrame& keyframe) {
   detail::ByteWriter details, picture, points;
   detail::EncodeDetails(keyframe, details);
-  sqlite::EncodePicture(keyframe, picture);
-  sqlite::EncodePoints(keyframe, points);
-  const std::string features = sqlite::Join(picture.bytes(), points.bytes());
+  rows::EncodePicture(keyframe, picture);
+  rows::EncodePoints(keyframe, points);
+  const std::string features = rows::Join(picture.bytes(), points.bytes());
   const Features& counts = keyframe.features;
   const std::size_t length = details.bytes().size();
   std::string seed = {static_cast<char>(counts.count), static_cast<char>(counts.left_count),

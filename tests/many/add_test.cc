@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/model/digest.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/support/error_of.h"

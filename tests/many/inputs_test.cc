@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/many/names.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/support/error_of.h"

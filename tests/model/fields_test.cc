@@ -18,7 +18,7 @@
 #include "slamdb/model/digest.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/formats/in_memory.h"
-#include "tests/formats/sqlite/atlases.h"
+#include "tests/formats/store/atlases.h"
 
 namespace slamdb {
 namespace {

@@ -27,7 +27,7 @@
 #include "slamdb/formats/ply/detail/ply.h"
 #include "slamdb/formats/rtabmap/detail/rtabmap.h"
 #include "slamdb/formats/splats/detail/splats.h"
-#include "slamdb/formats/sqlite/detail/store_format.h"
+#include "slamdb/formats/store/detail/store_format.h"
 #include "slamdb/formats/stella/detail/stella.h"
 #include "slamdb/formats/trajectory/detail/trajectory.h"
 #include "slamdb/formats/vins/detail/vins.h"

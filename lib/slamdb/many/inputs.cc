@@ -17,7 +17,7 @@
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/recognize.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/many/detail/natural.h"
 
 namespace slamdb {

@@ -8,7 +8,7 @@
 
 #include "slamdb/align/align.h"
 #include "slamdb/export.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 
 namespace slamdb {
 

@@ -13,8 +13,8 @@
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/orbslam3/options.h"
-#include "slamdb/formats/sqlite/options.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/rows/options.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/many/each.h"
 #include "slamdb/many/names.h"
 

@@ -9,7 +9,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/error.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 
 namespace slamdb {
 namespace {

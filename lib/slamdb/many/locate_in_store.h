@@ -10,7 +10,7 @@
 #include "slamdb/align/locate_report.h"
 #include "slamdb/base/progress.h"
 #include "slamdb/export.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/model/picture_features.h"
 
 namespace slamdb {

@@ -9,7 +9,7 @@
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/evaluate/evaluate.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 #include "slamdb/formats/trajectories.h"
 #include "slamdb/many/locate_in_store.h"
 #include "slamdb/model/statistics.h"

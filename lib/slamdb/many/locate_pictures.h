@@ -12,7 +12,7 @@
 #include "slamdb/base/progress.h"
 #include "slamdb/export.h"
 #include "slamdb/formats/format.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/pictures/camera_settings.h"
 
 // Picture files, in one map or in all of a store.

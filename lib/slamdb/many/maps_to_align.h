@@ -12,7 +12,7 @@
 #include "slamdb/base/notices.h"
 #include "slamdb/export.h"
 #include "slamdb/formats/format.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/model/atlas.h"
 
 namespace slamdb {

@@ -19,7 +19,7 @@
 #include "slamdb/base/output_name.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/results.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/many/names.h"
 
 namespace slamdb {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "slamdb/export.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 
 namespace slamdb {
 

@@ -16,7 +16,7 @@
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/salvage.h"
-#include "slamdb/formats/sqlite/options.h"
+#include "slamdb/formats/rows/options.h"
 #include "tests/formats/formats/small_atlas.h"
 #include "tests/support/kind_of.h"
 #include "tests/support/temporary_folder.h"

@@ -12,7 +12,7 @@
 #include "slamdb/edit/repair/journal.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/sqlite/store.h"
+#include "slamdb/formats/store/store.h"
 #include "slamdb/model/index.h"
 #include "tests/formats/orbslam3/fork_files.h"
 #include "tests/support/equals_atlas.h"

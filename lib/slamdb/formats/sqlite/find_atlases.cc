@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "slamdb/formats/rows/detail/plan.h"
 #include "slamdb/formats/sqlite/detail/load.h"
-#include "slamdb/formats/sqlite/detail/plan.h"
 #include "slamdb/formats/sqlite/detail/summary.h"
 
 namespace slamdb::sqlite {

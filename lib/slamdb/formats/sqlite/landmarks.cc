@@ -1,34 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Saving and loading the landmarks of a map.
-#include <array>
-#include <cstring>
-
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/rows/detail/landmark_row.h"
 #include "slamdb/formats/sqlite/detail/list_order.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/save.h"
-#include "slamdb/model/detail/record.h"
 
 namespace slamdb::sqlite {
 namespace {
 
 constexpr const char* kTable = "landmark";
-using Reals = std::array<double, 12>;
-
-Reals RealsOf(const Landmark& landmark) {
-  const Eigen::Vector3d &mean = landmark.mean, &normal = landmark.normal;
-  return {mean.x(),        mean.y(),        mean.z(),        normal.x(),      normal.y(),      normal.z(),
-          landmark.cov_11, landmark.cov_22, landmark.cov_33, landmark.cov_12, landmark.cov_13, landmark.cov_23};
-}
-
-void SetReals(const Reals& reals, Landmark& landmark) {
-  landmark.mean = {reals[0], reals[1], reals[2]};
-  landmark.normal = {reals[3], reals[4], reals[5]};
-  std::size_t next = 6;
-  for (double* value :
-       {&landmark.cov_11, &landmark.cov_22, &landmark.cov_33, &landmark.cov_12, &landmark.cov_13, &landmark.cov_23})
-    *value = reals[next++];
-}
-
 // One row of the table.
 class LandmarkWriter {
  public:
@@ -39,56 +20,25 @@ class LandmarkWriter {
                 "table landmark") {}
 
   void Write(std::int64_t map, const ListPlan::Entry& entry, const Landmark& landmark, std::int64_t hash) {
-    insert_.Bind(1, entry.row).Bind(2, map).Bind(3, ToColumn(landmark.id));
-    insert_.Bind(4, entry.unique ? ToReference(landmark.id) : std::nullopt).Bind(5, hash);
-    const Reals reals = RealsOf(landmark);
-    bool fits = true;
-    for (std::size_t i = 0; i < reals.size(); ++i) {
-      fits = fits && FitsReal(reals[i]);
-      insert_.BindReal(6 + static_cast<int>(i), reals[i]);
-    }
-    features_.Clear();
-    detail::EncodeLandmarkFeatures(landmark.features, features_);
-    insert_.Bind(18, ToColumn(landmark.last_seen)).Bind(19, std::int64_t{landmark.seen_count});
-    insert_.BindBlob(20, features_.bytes());
-    if (fits) {
-      insert_.BindNull(21);
-    } else {
-      insert_.BindBlob(21, std::as_bytes(std::span(reals)));
-    }
-    insert_.Run();
+    insert_.BindAll(row_.Of({entry.row, map, entry.unique, hash}, landmark)).Run();
   }
 
  private:
   Statement insert_;
-  detail::ByteWriter features_;
+  rows::LandmarkRow row_;
 };
 
-void ReadReals(Database& database, const Statement& row, Landmark& landmark) {
-  Reals reals;
-  const Bytes exact = row.Blob(17);
-  if (exact.empty()) {
-    for (std::size_t i = 0; i < reals.size(); ++i) reals[i] = row.Real(3 + static_cast<int>(i));
-  } else {
-    if (exact.size() != sizeof(reals)) throw DamagedRow(database, kTable, row.Integer(0));
-    std::memcpy(reals.data(), exact.data(), sizeof(reals));
-    RequireSame(database, kTable, row.Integer(0), landmark.id.value(), TakeColumns(row, 3, reals));
-  }
-  SetReals(reals, landmark);
-}
-
 Landmark ReadLandmark(Database& database, const Statement& row) {
-  Landmark landmark;
-  landmark.id = LandmarkId(static_cast<std::uint64_t>(row.Integer(1)));
-  ReadReals(database, row, landmark);
-  landmark.last_seen = static_cast<std::uint64_t>(row.Integer(15));
-  landmark.seen_count = static_cast<std::uint32_t>(row.Integer(16));
+  const std::int64_t number = row.Integer(0);
   try {
-    landmark.features = detail::DecodeLandmarkFeatures(row.Blob(18));
+    Landmark landmark;
+    const bool same = rows::ReadLandmark(row, landmark, [&] { return DamagedRow(database, kTable, number); });
+    RequireSame(database, kTable, number, landmark.id.value(), same);
+    return landmark;
   } catch (const Error& error) {
-    throw Error(error.kind(), database.path(), PlaceOf(kTable, row.Integer(0)), error.problem());
+    if (!error.path().empty()) throw;
+    throw Error(error.kind(), database.path(), PlaceOf(kTable, number), error.problem());
   }
-  return landmark;
 }
 
 // The landmarks of some rows, one behind the other.
@@ -97,8 +47,8 @@ class LandmarkReader {
   explicit LandmarkReader(Database& database)
       : database_(database),
         select_(database,
-                "SELECT row, id, hash, x, y, z, nx, ny, nz, cov_11, cov_22, cov_33, cov_12, cov_13, cov_23, "
-                "last_seen, seen_count, exact, features FROM landmark WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
+                detail::Concat("SELECT ", rows::kLandmarkColumns,
+                               " FROM landmark WHERE row BETWEEN ?1 AND ?2 ORDER BY row"),
                 "table landmark") {}
 
   void Start(std::int64_t first, std::int64_t last) {
@@ -162,7 +112,7 @@ void LoadLandmarks(Database& database, std::int64_t map, const Selection& select
     hashes.push_back(hash);
     rows.push_back(reader.row());
   }
-  ListOrder::Of(database, map, "landmark").Sort(rows, landmarks, hashes);
+  OrderOf(database, map, "landmark").Sort(rows, landmarks, hashes);
 }
 
 void LoadLandmarkRows(Database& database, std::span<const std::int64_t> rows, std::span<Landmark> landmarks) {

@@ -3,17 +3,16 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
-#include <cstring>
 #include <thread>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/rows/detail/map_rows.h"
+#include "slamdb/formats/rows/options.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/list_order.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/past.h"
-#include "slamdb/formats/sqlite/options.h"
 #include "slamdb/model/detail/packing.h"
 
 namespace slamdb::sqlite {
@@ -33,24 +32,6 @@ struct Slice {
   bool points = false;
   std::size_t first = 0, count = 0;
 };
-
-std::vector<float> ParseParameters(Database& database, std::string_view json) {
-  std::vector<float> parameters;
-  const char* at = json.data();
-  const char* end = at + json.size();
-  const auto damaged = [&] {
-    return Error(ErrorKind::kDamaged, database.path(), "table camera", "parameters are no list of numbers");
-  };
-  if (json.size() < 2 || *at++ != '[' || *--end != ']') throw damaged();
-  while (at < end) {
-    float value = 0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    if (error != std::errc() || (next < end && *next != ',')) throw damaged();
-    parameters.push_back(value);
-    at = next + 1;
-  }
-  return parameters;
-}
 
 void LoadOrigins(Database& database, std::int64_t row, Map& map) {
   Statement statement(database, "SELECT keyframe FROM map_origin WHERE map = ?1 ORDER BY position", "table map_origin");
@@ -147,58 +128,28 @@ void LoadLists(Database& database, std::int64_t atlas_row, const ReadOptions& op
 
 void LoadHeader(Database& database, std::int64_t row, Atlas& atlas) {
   // What is salvaged may be of an older version, which has no such column.
-  const bool has_layout = VersionOf(database) >= kFirstVersionWithCarried;
-  Statement statement(
-      database,
-      detail::Concat(
-          "SELECT vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, next_map_point, "
-          "next_camera, next_initial_keyframe, archive_text, archive_boost_version, archive_long_bytes, "
-          "archive_size_bytes, ",
-          has_layout ? "layout" : "NULL", " FROM atlas WHERE row = ?1"),
-      "table atlas");
+  std::string columns = rows::kHeaderColumns;
+  if (VersionOf(database) < kFirstVersionWithCarried) columns.replace(columns.rfind("layout"), 6, "NULL");
+  Statement statement(database, "SELECT " + columns + " FROM atlas WHERE row = ?1", "table atlas");
   if (!statement.Bind(1, row).Step()) throw SnapshotChanged();
-  atlas.vocabulary = {statement.Text(0), statement.Text(1)};
-  int column = 2;
-  Counters& next = atlas.next_ids;
-  for (std::uint64_t* value :
-       {&next.map, &next.frame, &next.keyframe, &next.map_point, &next.camera, &next.initial_keyframe}) {
-    *value = static_cast<std::uint64_t>(statement.Integer(column++));
-  }
-  atlas.encoding.text = statement.Integer(8) != 0;
-  atlas.encoding.boost_version = static_cast<std::uint32_t>(statement.Integer(9));
-  atlas.encoding.long_bytes = static_cast<std::uint8_t>(statement.Integer(10));
-  atlas.encoding.size_bytes = static_cast<std::uint8_t>(statement.Integer(11));
-  if (!statement.IsNull(12)) atlas.layout = statement.Text(12);
+  rows::ReadHeader(statement, atlas);
   atlas.carried = LoadCarried(database, CarriedKind::kAtlas, row);
 }
 
 void LoadCameras(Database& database, std::int64_t row, Atlas& atlas) {
-  Statement statement(database,
-                      "SELECT id, model, recorded_type, parameters, precision, exact FROM camera WHERE atlas = ?1 "
-                      "ORDER BY position",
-                      "table camera");
+  Statement statement(
+      database, detail::Concat("SELECT ", rows::kCameraColumns, " FROM camera WHERE atlas = ?1 ORDER BY position"),
+      "table camera");
   statement.Bind(1, row);
   CarriedReader carried(database, CarriedKind::kCamera);
   carried.Start(CarriedCameraRow(row, 0), CarriedCameraRow(row, 0xffffffff));
   while (statement.Step()) {
-    Camera& camera = atlas.cameras.emplace_back();
-    carried.Read(CarriedCameraRow(row, atlas.cameras.size() - 1), camera.carried);
-    camera.id = CameraId(static_cast<std::uint64_t>(statement.Integer(0)));
-    const std::int64_t model = statement.Integer(1);
-    camera.model = model == 2 ? CameraModel::kEquirectangular : static_cast<CameraModel>(model & 1);
-    camera.recorded_type = static_cast<std::uint32_t>(statement.Integer(2));
-    const Bytes exact = statement.Blob(5);
-    if (exact.empty()) {
-      camera.precision = static_cast<float>(statement.Real(4));
-      camera.parameters = ParseParameters(database, statement.Text(3));
-    } else {
-      if (exact.size() % sizeof(float) != 0)
-        throw Error(ErrorKind::kDamaged, database.path(), "table camera", "blob of wrong length");
-      std::vector<float> values(exact.size() / sizeof(float));
-      std::memcpy(values.data(), exact.data(), exact.size());
-      camera.precision = values.front();
-      camera.parameters.assign(values.begin() + 1, values.end());
+    try {
+      atlas.cameras.push_back(rows::ReadCamera(statement));
+    } catch (const Error& error) {
+      throw Error(error.kind(), database.path(), "table camera", error.problem());
     }
+    carried.Read(CarriedCameraRow(row, atlas.cameras.size() - 1), atlas.cameras.back().carried);
   }
 }
 
@@ -210,11 +161,7 @@ std::vector<RepeatedEntry> LoadRepeated(Database& database, std::int64_t atlas, 
       "table repeated_entry");
   statement.Bind(1, atlas).BindText(2, list).Bind(3, map);
   std::vector<RepeatedEntry> entries;
-  while (statement.Step()) {
-    const auto owner = statement.IsNull(1) ? RepeatedEntry::kNull : static_cast<std::uint32_t>(statement.Integer(1));
-    entries.push_back(
-        {static_cast<std::uint64_t>(statement.Integer(0)), owner, static_cast<std::uint64_t>(statement.Integer(2))});
-  }
+  while (statement.Step()) entries.push_back(rows::ReadRepeated(statement));
   return entries;
 }
 
@@ -224,22 +171,9 @@ std::vector<std::int64_t> RowsOfMaps(Database& database, std::int64_t atlas) {
 }
 
 Map LoadMapHeader(Database& database, std::int64_t atlas, std::int64_t row) {
-  Statement statement(database,
-                      "SELECT id, initial_keyframe, first_keyframe, lowest_keyframe, max_keyframe_id, "
-                      "big_change_index, imu_initialized, inertial, imu_ba1, imu_ba2, hash FROM map WHERE row = ?1",
-                      "table map");
+  Statement statement(database, detail::Concat("SELECT ", rows::kMapColumns, " FROM map WHERE row = ?1"), "table map");
   if (!statement.Bind(1, row).Step()) throw DamagedRow(database, "map", row);
-  Map map;
-  map.id = MapId(static_cast<std::uint64_t>(statement.Integer(0)));
-  map.initial_keyframe = FromReference<KeyFrameId>(statement, 1);
-  map.first_keyframe = FromReference<KeyFrameId>(statement, 2);
-  map.lowest_keyframe = FromReference<KeyFrameId>(statement, 3);
-  map.max_keyframe_id = static_cast<std::uint64_t>(statement.Integer(4));
-  map.big_change_index = static_cast<std::int32_t>(statement.Integer(5));
-  int column = 6;
-  for (Flag* flag : {&map.imu_initialized, &map.inertial, &map.imu_ba1, &map.imu_ba2}) {
-    flag->recorded = static_cast<std::uint8_t>(statement.Integer(column++));
-  }
+  Map map = rows::ReadMap(statement);
   LoadOrigins(database, row, map);
   map.carried = LoadCarried(database, CarriedKind::kMap, row);
   map.repeated_keyframes = LoadRepeated(database, atlas, "keyframes", row);
@@ -353,7 +287,7 @@ void SortLists(Database& database, const std::vector<MapRows>& maps, Atlas& atla
   for (std::size_t i = 0; i < maps.size(); ++i) {
     AtlasHashes::OfMap& of = hashes.maps[i];
     const auto sort = [&](std::string_view list, std::span<const std::int64_t> rows, auto&... lists) {
-      const ListOrder order = ListOrder::Of(database, maps[i].row, list);
+      const ListOrder order = OrderOf(database, maps[i].row, list);
       try {
         order.Sort(rows, lists...);
       } catch (const Error& error) {

@@ -1,61 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstring>
-
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/rows/detail/features_blob.h"
+#include "slamdb/formats/rows/detail/keyframe_row.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
-#include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/visit_rows.h"
-#include "slamdb/model/detail/record.h"
 
 namespace slamdb::sqlite {
 namespace {
-
-// False: the numbers in the columns are not those in `exact`.
-bool ReadReals(const Statement& row, int timestamp_column, int exact_column, KeyFrame& keyframe) {
-  detail::KeyframeReals reals;
-  bool same = true;
-  const Bytes exact = row.Blob(exact_column);
-  if (!exact.empty()) {
-    ByteReader in(exact);
-    std::array timestamp{in.Get<double>()};
-    reals = in.Get<detail::KeyframeReals>();
-    in.ExpectEnd();
-    same = TakeColumns(row, timestamp_column, timestamp);
-    same = TakeColumns(row, timestamp_column + 1, reals) && same;
-    keyframe.timestamp = timestamp[0];
-  } else {
-    keyframe.timestamp = row.Real(timestamp_column);
-    for (std::size_t i = 0; i < reals.size(); ++i) {
-      reals[i] = static_cast<float>(row.Real(timestamp_column + 1 + static_cast<int>(i)));
-    }
-  }
-  detail::SetReals(keyframe, reals);
-  return same;
-}
-
-// False: as above.
-bool ReadKeyframe(const Statement& row, KeyFrame& keyframe) {
-  keyframe.id = KeyFrameId(static_cast<std::uint64_t>(row.Integer(1)));
-  keyframe.frame_id = static_cast<std::uint64_t>(row.Integer(4));
-  const bool same = ReadReals(row, 5, 38, keyframe);
-  keyframe.camera = FromReference<CameraId>(row, 22);
-  keyframe.right_camera = FromReference<CameraId>(row, 23);
-  keyframe.parent = FromReference<KeyFrameId>(row, 24);
-  keyframe.previous = FromReference<KeyFrameId>(row, 25);
-  keyframe.next = FromReference<KeyFrameId>(row, 26);
-  keyframe.origin_map = static_cast<std::uint32_t>(row.Integer(27));
-  keyframe.features.count = static_cast<std::int32_t>(row.Integer(28));
-  keyframe.features.left_count = static_cast<std::int32_t>(row.Integer(29));
-  keyframe.features.right_count = static_cast<std::int32_t>(row.Integer(30));
-  int column = 31;
-  for (Flag* flag : {&keyframe.first_connection, &keyframe.not_erase, &keyframe.to_be_erased, &keyframe.bad,
-                     &keyframe.imu_initialized, &keyframe.has_velocity}) {
-    flag->recorded = static_cast<std::uint8_t>(row.Integer(column++));
-  }
-  detail::DecodeDetails(row.Blob(37), keyframe);
-  return same;
-}
 
 // Runs `decode`, and says where when the bytes are damaged.
 template <class Decode>
@@ -72,11 +25,7 @@ void ReadRows(Database& database, std::span<const std::int64_t> rows, std::span<
               std::span<std::int64_t> hashes, std::span<std::int64_t> links_hashes) {
   Statement statement(
       database,
-      "SELECT row, id, hash, links_hash, frame_id, timestamp, qw, qx, qy, qz, tx, ty, tz, vx, vy, vz, bias_ax, "
-      "bias_ay, "
-      "bias_az, bias_wx, bias_wy, bias_wz, camera, right_camera, parent, previous, next, origin_map, features, "
-      "left_features, right_features, first_connection, not_erase, to_be_erased, bad, imu_initialized, has_velocity, "
-      "details, exact FROM keyframe WHERE row BETWEEN ?1 AND ?2 ORDER BY row",
+      detail::Concat("SELECT ", rows::kKeyframeColumns, " FROM keyframe WHERE row BETWEEN ?1 AND ?2 ORDER BY row"),
       "table keyframe");
   statement.Bind(1, rows.front()).Bind(2, rows.back());
   CarriedReader carried(database, CarriedKind::kKeyframe);
@@ -84,7 +33,7 @@ void ReadRows(Database& database, std::span<const std::int64_t> rows, std::span<
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe", rows[i]);
     bool same = true;
-    DecodeAt(database, "keyframe", rows[i], [&] { same = ReadKeyframe(statement, keyframes[i]); });
+    DecodeAt(database, "keyframe", rows[i], [&] { same = rows::ReadKeyframe(statement, keyframes[i]); });
     carried.Read(rows[i], keyframes[i].carried);
     hashes[i] = detail::HashOfRow(keyframes[i]);
     links_hashes[i] = statement.Integer(3);
@@ -135,9 +84,9 @@ void ReadFeatures(Database& database, std::span<const std::int64_t> rows, std::s
     if (!statement.Step() || statement.Integer(0) != rows[i]) throw DamagedRow(database, "keyframe_features", rows[i]);
     DecodeAt(database, "keyframe_features", rows[i], [&] {
       if (has_pictures)
-        DecodeFeatures(statement.Blob(3), statement.Blob(2), keyframes[i]);
+        rows::DecodeFeatures(statement.Blob(3), statement.Blob(2), keyframes[i]);
       else
-        DecodeWholeFeatures(statement.Blob(2), keyframes[i]);
+        rows::DecodeWholeFeatures(statement.Blob(2), keyframes[i]);
     });
     hashes[i] = detail::HashOfFeatures(keyframes[i]);
     RequireSame(database, "keyframe_features", rows[i], keyframes[i].id.value(), hashes[i] == statement.Integer(1));

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
-#include <cstring>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/rows/detail/point_row.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
@@ -11,45 +10,6 @@
 
 namespace slamdb::sqlite {
 namespace {
-
-// NULL: `value` stays what it is, not recorded.
-template <class Integer>
-void ReadRecorded(const Row& row, int column, Integer& value) {
-  if (!row.IsNull(column)) value = static_cast<Integer>(row.Integer(column));
-}
-
-// False: the numbers in its columns are not those in `exact`.
-bool ReadPoint(Database& database, const Row& row, MapPoint& point) {
-  bool same = true;
-  point.id = MapPointId(static_cast<std::uint64_t>(row.Integer(1)));
-  std::array<float, 8> reals;
-  const Bytes exact = row.Blob(19);
-  if (!exact.empty()) {
-    if (exact.size() != sizeof(reals)) throw DamagedRow(database, "map_point", row.Integer(0));
-    std::memcpy(reals.data(), exact.data(), sizeof(reals));
-    same = TakeColumns(row, 4, reals);
-  } else {
-    for (std::size_t i = 0; i < reals.size(); ++i) reals[i] = static_cast<float>(row.Real(4 + static_cast<int>(i)));
-  }
-  point.position = {reals[0], reals[1], reals[2]};
-  point.normal = {reals[3], reals[4], reals[5]};
-  point.min_distance = reals[6];
-  point.max_distance = reals[7];
-  point.reference = FromReference<KeyFrameId>(row, 12);
-  point.replaced_by = FromReference<MapPointId>(row, 13);
-  point.first_keyframe = row.Integer(14);
-  point.first_frame = row.Integer(15);
-  point.observation_count = static_cast<std::int32_t>(row.Integer(16));
-  point.bad.recorded = static_cast<std::uint8_t>(row.Integer(17));
-  const Bytes descriptor = row.Blob(18);
-  if (descriptor.size() != point.descriptor.size()) throw DamagedRow(database, "map_point", row.Integer(0));
-  std::memcpy(point.descriptor.data(), descriptor.data(), descriptor.size());
-  point.descriptor_form = static_cast<MatrixForm>(row.Integer(20) & 3);
-  ReadRecorded(row, 21, point.origin_map);
-  ReadRecorded(row, 22, point.visible_count);
-  ReadRecorded(row, 23, point.found_count);
-  return same;
-}
 
 // The observations of consecutive points.
 class ObservationReader {
@@ -95,15 +55,11 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
                 std::span<std::int64_t> hashes, std::span<std::int64_t> observations_hashes) {
   // What is salvaged may be of an older version, which has no such columns.
   const bool has_tracking = VersionOf(database) >= kFirstVersionWithTracking;
-  Statement statement(
-      database,
-      detail::Concat(
-          "SELECT slamdb_visit(?1, row, id, hash, observations_hash, x, y, z, nx, ny, nz, min_distance, max_distance, "
-          "reference, replaced_by, first_keyframe, first_frame, observation_count, bad, descriptor, exact, "
-          "descriptor_form, ",
-          has_tracking ? "origin_map, visible_count, found_count" : "NULL, NULL, NULL",
-          ") FROM map_point NOT INDEXED WHERE row BETWEEN ?2 AND ?3"),
-      "table map_point");
+  Statement statement(database,
+                      detail::Concat("SELECT slamdb_visit(?1, ", rows::kPointColumns, ", ",
+                                     has_tracking ? rows::kPointTrackingColumns : "NULL, NULL, NULL",
+                                     ") FROM map_point NOT INDEXED WHERE row BETWEEN ?2 AND ?3"),
+                      "table map_point");
   ObservationReader observations(database);
   CarriedReader carried(database, CarriedKind::kPoint);
   ForEachRun(rows, [&](std::size_t first, std::size_t count) {
@@ -114,7 +70,8 @@ void LoadPoints(Database& database, std::span<const std::int64_t> rows, std::spa
     statement.Bind(2, rows[first]).Bind(3, rows[end - 1]);
     VisitRows(statement, [&](const Row& row) {
       if (i == end || row.Integer(0) != rows[i]) throw DamagedRow(database, "map_point", rows[std::min(i, end - 1)]);
-      const bool same = ReadPoint(database, row, points[i]);
+      const bool same =
+          rows::ReadPoint(row, points[i], [&] { return DamagedRow(database, "map_point", row.Integer(0)); });
       observations.Take(rows[i], points[i].observations);
       carried.Read(rows[i], points[i].carried);
       hashes[i] = detail::HashOfRow(points[i]);

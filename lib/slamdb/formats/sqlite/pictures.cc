@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/hash.h"
-#include "slamdb/formats/sqlite/detail/features_blob.h"
+#include "slamdb/formats/rows/detail/features_blob.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -68,7 +68,7 @@ void SplitAllFeatures(Database& database) {
     const Bytes whole = select.Blob(0);
     const std::string copy(reinterpret_cast<const char*>(whole.data()), whole.size());
     select.Reset();
-    const SplitFeatures split = Split(std::as_bytes(std::span(copy)));
+    const rows::SplitFeatures split = rows::Split(std::as_bytes(std::span(copy)));
     const Bytes picture = std::as_bytes(std::span(split.picture));
     update.Bind(1, row).BindBlob(2, split.points).Bind(3, pictures.RowOf(picture, HashOfPicture(picture))).Run();
   }
@@ -83,7 +83,7 @@ void JoinAllFeatures(Database& database) {
   for (const std::int64_t row : KeyframesWithFeatures(database)) {
     select.Reset();
     if (!select.Bind(1, row).Step()) continue;  // its picture is gone: loading says so, before and after
-    const std::string whole = Join(select.Blob(0), select.Blob(1));
+    const std::string whole = rows::Join(select.Blob(0), select.Blob(1));
     select.Reset();
     update.Bind(1, row).BindBlob(2, std::as_bytes(std::span(whole))).Run();
   }

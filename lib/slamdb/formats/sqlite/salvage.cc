@@ -8,15 +8,15 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/run_files.h"
+#include "slamdb/formats/rows/detail/plan.h"
+#include "slamdb/formats/rows/options.h"
+#include "slamdb/formats/rows/stored.h"
 #include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/identity.h"
 #include "slamdb/formats/sqlite/detail/image.h"
 #include "slamdb/formats/sqlite/detail/list_order.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
-#include "slamdb/formats/sqlite/detail/plan.h"
-#include "slamdb/formats/sqlite/options.h"
-#include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::sqlite {
 namespace {
@@ -234,7 +234,7 @@ class StoreSalvager {
       rows.push_back(statement.Integer(column++));
       for (std::vector<std::int64_t>* list : lists) list->push_back(statement.Integer(column++));
     }
-    const ListOrder of_list = ListOrder::Of(database_, map, order);
+    const ListOrder of_list = OrderOf(database_, map, order);
     for (std::vector<std::int64_t>* list : lists) of_list.Sort(rows, *list);
   }
 
@@ -253,7 +253,7 @@ class StoreSalvager {
       read.listed = list.size() + 1;  // at least the last one is lost
     }
     read.read = list.size();
-    Try([&] { ListOrder::Of(database_, map, order).Sort(rows_read_, list); });
+    Try([&] { OrderOf(database_, map, order).Sort(rows_read_, list); });
   }
 
   // Rows whose number is not known are read until a run of them gives nothing.

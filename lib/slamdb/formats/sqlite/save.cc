@@ -2,9 +2,11 @@
 #include "slamdb/formats/sqlite/detail/save.h"
 
 #include <algorithm>
-#include <charconv>
+#include <iterator>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/rows/detail/map_rows.h"
+#include "slamdb/formats/rows/detail/match_maps.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/list_order.h"
 #include "slamdb/formats/sqlite/detail/pictures.h"
@@ -12,24 +14,13 @@
 #include "slamdb/formats/sqlite/detail/summary.h"
 #include "slamdb/formats/sqlite/detail/visit_rows.h"
 #include "slamdb/formats/sqlite/detail/writer_lock.h"
-#include "slamdb/model/detail/packing.h"
 
 namespace slamdb::sqlite {
 namespace {
 
-std::string ParametersAsJson(const std::vector<float>& parameters) {
-  std::string json = "[";
-  for (const float value : parameters) {
-    if (json.size() > 1) json += ',';
-    std::array<char, 64> text{};
-    if (std::isfinite(value)) {
-      json.append(text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr);
-    } else {
-      json += "null";
-    }
-  }
-  return json + "]";
-}
+using rows::KeyframeKey;
+using rows::StoredMap;
+using rows::Value;
 
 struct StoredHead {
   std::int64_t row = 0, revision = 0, hash = 0;
@@ -46,42 +37,23 @@ std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas
                         std::int64_t hash, const std::optional<StoredHead>& stored, ChangeCounter& changes) {
   Statement statement(
       database,
-      "INSERT INTO atlas (row, name, vocabulary_name, vocabulary_checksum, next_map, next_frame, next_keyframe, "
-      "next_map_point, next_camera, next_initial_keyframe, archive_text, archive_boost_version, archive_long_bytes, "
-      "archive_size_bytes, revision, saved_at, maps, keyframes, points, observations, hash, layout) "
-      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, 1, ?15, ?16, ?17, ?18, ?19, ?20, ?21) "
-      "ON CONFLICT (row) DO UPDATE SET vocabulary_name = ?3, vocabulary_checksum = ?4, next_map = ?5, "
-      "next_frame = ?6, next_keyframe = ?7, next_map_point = ?8, next_camera = ?9, next_initial_keyframe = ?10, "
-      "archive_text = ?11, archive_boost_version = ?12, archive_long_bytes = ?13, archive_size_bytes = ?14, "
-      "revision = revision + 1, saved_at = ?15, maps = ?16, keyframes = ?17, points = ?18, observations = ?19, hash = "
-      "?20, layout = ?21 "
-      "RETURNING row",
+      detail::Concat("INSERT INTO atlas (row, name, ", rows::kHeaderColumns,
+                     ", revision, saved_at, maps, keyframes, points, observations, hash) VALUES (?1, ?2, ?3, ?4, ?5, "
+                     "?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, 1, ?16, ?17, ?18, ?19, ?20, ?21) ON CONFLICT (row) "
+                     "DO UPDATE SET (",
+                     rows::kHeaderColumns,
+                     ") = (?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15), revision = revision + 1, "
+                     "saved_at = ?16, maps = ?17, keyframes = ?18, points = ?19, observations = ?20, hash = ?21 "
+                     "RETURNING row"),
       "table atlas");
-  const Counters& next = atlas.next_ids;
-  const ArchiveEncoding& encoding = atlas.encoding;
   const std::string now = TimeOfDay();
-  statement.Bind(1, stored ? std::optional(stored->row) : std::nullopt)
-      .BindText(2, name)
-      .BindText(3, atlas.vocabulary.name)
-      .BindText(4, atlas.vocabulary.checksum);
-  int column = 5;
-  for (const std::uint64_t value :
-       {next.map, next.frame, next.keyframe, next.map_point, next.camera, next.initial_keyframe}) {
-    statement.Bind(column++, ToColumn(value));
-  }
-  for (const std::int64_t value : {std::int64_t{encoding.text}, std::int64_t{encoding.boost_version},
-                                   std::int64_t{encoding.long_bytes}, std::int64_t{encoding.size_bytes}}) {
-    statement.Bind(column++, value);
-  }
-  statement.BindText(column++, now);
-  for (const std::uint64_t value : {summary.maps, summary.keyframes, summary.points, summary.observations}) {
-    statement.Bind(column++, ToColumn(value));
-  }
-  statement.Bind(column++, hash);
-  if (atlas.layout.empty())
-    statement.BindNull(column);
-  else
-    statement.BindText(column, atlas.layout);
+  std::vector<Value> columns{stored ? Value(stored->row) : Value(), std::string_view(name)};
+  std::ranges::copy(rows::HeaderRow(atlas), std::back_inserter(columns));
+  columns.emplace_back(std::string_view(now));
+  for (const std::uint64_t count : {summary.maps, summary.keyframes, summary.points, summary.observations})
+    columns.emplace_back(ToColumn(count));
+  columns.emplace_back(hash);
+  statement.BindAll(columns);
   statement.Step();
   const std::int64_t row = statement.Integer(0);
   while (statement.Step()) {
@@ -97,40 +69,16 @@ void SaveCameras(SaveContext& context, const Atlas& atlas) {
   remove.Bind(1, context.atlas).Run();
   context.changes["camera"].deleted += static_cast<std::uint64_t>(sqlite3_changes(context.database.handle()));
   Statement insert(context.database, "INSERT INTO camera VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)", "table camera");
-  std::vector<CameraId> seen;
-  for (std::size_t i = 0; i < atlas.cameras.size(); ++i) {
-    const Camera& camera = atlas.cameras[i];
-    const bool unique = std::find(seen.begin(), seen.end(), camera.id) == seen.end() && camera.id.has_value();
-    seen.push_back(camera.id);
-    const std::string json = ParametersAsJson(camera.parameters);
-    bool fits = FitsReal(camera.precision);
-    for (const float value : camera.parameters) fits = fits && FitsReal(value) && std::isfinite(value);
-    std::vector<float> exact{camera.precision};
-    exact.insert(exact.end(), camera.parameters.begin(), camera.parameters.end());
-    insert.Bind(1, context.atlas).Bind(2, static_cast<std::int64_t>(i)).Bind(3, ToColumn(camera.id));
-    insert.Bind(4, unique ? ToReference(camera.id) : std::nullopt);
-    insert.Bind(5, std::int64_t{static_cast<std::uint32_t>(camera.model)}).Bind(6, std::int64_t{camera.recorded_type});
-    insert.BindText(7, json).BindReal(8, camera.precision);
-    if (fits) {
-      insert.BindNull(9);
-    } else {
-      insert.BindBlob(9, std::as_bytes(std::span(exact)));
-    }
-    insert.Run();
-    ++context.changes["camera"].inserted;
-  }
+  const rows::CameraRows cameras(context.atlas, atlas.cameras);
+  for (const auto& row : cameras.rows()) insert.BindAll(row).Run();
+  context.changes["camera"].inserted += atlas.cameras.size();
 }
 
 void SaveRepeated(SaveContext& context, const char* list, std::int64_t map, const std::vector<RepeatedEntry>& entries) {
   Statement insert(context.database, "INSERT INTO repeated_entry VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
                    "table repeated_entry");
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    const RepeatedEntry& entry = entries[i];
-    const bool null = entry.owner_map == RepeatedEntry::kNull;
-    insert.Bind(1, context.atlas).BindText(2, list).Bind(3, map).Bind(4, static_cast<std::int64_t>(i));
-    insert.Bind(5, ToColumn(entry.position)).Bind(7, ToColumn(entry.row));
-    insert.Bind(6, null ? std::nullopt : std::optional<std::int64_t>(entry.owner_map));
-    insert.Run();
+    insert.BindAll(rows::RepeatedRow(context.atlas, list, map, i, entries[i])).Run();
     ++context.changes["repeated_entry"].inserted;
   }
 }
@@ -180,18 +128,13 @@ void SaveCarried(SaveContext& context, const Atlas& atlas) {
   });
 }
 
-struct StoredMap {
-  std::int64_t row = 0, id = 0, position = 0, hash = 0;
-  bool used = false;
-};
-
 std::vector<StoredMap> ReadStoredMaps(Database& database, std::int64_t atlas) {
   Statement statement(database, "SELECT row, id, position, hash FROM map WHERE atlas = ?1 ORDER BY position",
                       "table map");
   statement.Bind(1, atlas);
   std::vector<StoredMap> maps;
   while (statement.Step()) {
-    maps.push_back({statement.Integer(0), statement.Integer(1), statement.Integer(2), statement.Integer(3)});
+    maps.push_back({statement.Integer(0), statement.Integer(1), statement.Integer(2), statement.Integer(3), {}, false});
   }
   return maps;
 }
@@ -201,15 +144,7 @@ void WriteMapRow(SaveContext& context, std::int64_t row, std::size_t position, c
                    "INSERT OR REPLACE INTO map VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
                    "NULL, NULL, NULL)",
                    "table map");
-  insert.Bind(1, row).Bind(2, context.atlas).Bind(3, static_cast<std::int64_t>(position)).Bind(4, ToColumn(map.id));
-  insert.Bind(5, ToReference(map.initial_keyframe)).Bind(6, ToReference(map.first_keyframe));
-  insert.Bind(7, ToReference(map.lowest_keyframe)).Bind(8, ToColumn(map.max_keyframe_id));
-  insert.Bind(9, std::int64_t{map.big_change_index});
-  int column = 10;
-  for (const Flag flag : {map.imu_initialized, map.inertial, map.imu_ba1, map.imu_ba2}) {
-    insert.Bind(column++, std::int64_t{flag.recorded});
-  }
-  insert.Bind(14, hash).Run();
+  insert.BindAll(rows::MapRow(row, context.atlas, position, map, hash)).Run();
 }
 
 // Deletes the rows of one list of a map, and what hangs on them.
@@ -249,52 +184,13 @@ void RemoveMap(SaveContext& context, std::int64_t map) {
   context.map.observations_removed += deleted("observation") - seen;
 }
 
-// What tells that a keyframe is one that is stored, whatever the id of its map: its id and its time.
-struct KeyframeKey {
-  std::int64_t id;
-  double timestamp;
-  friend auto operator<=>(const KeyframeKey&, const KeyframeKey&) = default;
-};
-
 std::vector<KeyframeKey> StoredKeys(Database& database, std::int64_t map) {
   Statement statement(database, "SELECT id, timestamp FROM keyframe WHERE row BETWEEN ?1 AND ?2", "table keyframe");
   statement.Bind(1, FirstRowOfMap(map)).Bind(2, LastRowOfMap(map));
   std::vector<KeyframeKey> keys;
   while (statement.Step())
     if (!statement.IsNull(1)) keys.push_back({statement.Integer(0), statement.Real(1)});
-  std::ranges::sort(keys);
   return keys;
-}
-
-std::size_t CountCommon(const Map& map, const std::vector<KeyframeKey>& keys) {
-  return static_cast<std::size_t>(std::ranges::count_if(map.keyframes, [&](const KeyFrame& keyframe) {
-    return keyframe.timestamp == keyframe.timestamp &&  // NaN is no time
-           std::ranges::binary_search(keys, KeyframeKey{ToColumn(keyframe.id), keyframe.timestamp});
-  }));
-}
-
-// For each map of the atlas the stored map that it is, or null: the one with which it has most keyframes in common,
-// because a map that was loaded and continued has another id; else the one of its id.
-std::vector<const StoredMap*> MatchMaps(Database& database, const Atlas& atlas, std::vector<StoredMap>& stored) {
-  struct Pair {
-    std::size_t common, map, stored;
-  };
-  std::vector<Pair> pairs;
-  for (std::size_t k = 0; k < stored.size(); ++k) {
-    const std::vector<KeyframeKey> keys = StoredKeys(database, stored[k].row);
-    for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
-      const std::size_t common = CountCommon(atlas.maps[i], keys);
-      if (common > 0 || stored[k].id == ToColumn(atlas.maps[i].id)) pairs.push_back({common, i, k});
-    }
-  }
-  std::ranges::stable_sort(pairs, [](const Pair& a, const Pair& b) { return a.common > b.common; });
-  std::vector<const StoredMap*> match(atlas.maps.size(), nullptr);
-  for (const Pair& pair : pairs) {
-    if (match[pair.map] != nullptr || stored[pair.stored].used) continue;
-    match[pair.map] = &stored[pair.stored];
-    stored[pair.stored].used = true;
-  }
-  return match;
 }
 
 // Rows of maps are never used again, in what is kept of earlier revisions either, and must leave room for 2^32 places.
@@ -307,7 +203,8 @@ std::int64_t NextRowOfMap(Database& database) {
 // Deletes stored maps that are in the atlas no more, and writes the rows of maps that differ. Returns the rows.
 std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
   std::vector<StoredMap> stored = ReadStoredMaps(context.database, context.atlas);
-  const std::vector<const StoredMap*> match = MatchMaps(context.database, atlas, stored);
+  for (StoredMap& map : stored) map.keys = StoredKeys(context.database, map.row);
+  const std::vector<const StoredMap*> match = rows::MatchMaps(atlas, stored);
   std::int64_t next_row = NextRowOfMap(context.database);
   for (const StoredMap& map : stored)
     if (!map.used) RemoveMap(context, map.row);
@@ -389,13 +286,6 @@ bool Carries(const Atlas& atlas) {
 }
 
 }  // namespace
-
-TableChanges& ChangeCounter::operator[](const std::string& table) {
-  for (TableChanges& changes : tables_) {
-    if (changes.table == table) return changes;
-  }
-  return tables_.emplace_back(TableChanges{.table = table});
-}
 
 void SaveContext::Report(std::size_t done) {
   entities_done += done;

@@ -2,33 +2,16 @@
 #include <algorithm>
 
 #include "slamdb/base/detail/pipeline.h"
+#include "slamdb/formats/rows/detail/features_blob.h"
+#include "slamdb/formats/rows/detail/keyframe_row.h"
 #include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
-#include "slamdb/formats/sqlite/detail/features_blob.h"
 #include "slamdb/formats/sqlite/detail/pictures.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/model/detail/record.h"
 
 namespace slamdb::sqlite {
 namespace {
-
-void BindReals(Statement& insert, const KeyFrame& keyframe, int timestamp_column, int exact_column, ByteWriter& exact) {
-  const detail::KeyframeReals reals = detail::RealsOf(keyframe);
-  insert.BindReal(timestamp_column, keyframe.timestamp);
-  bool fits = FitsReal(keyframe.timestamp);
-  for (std::size_t i = 0; i < reals.size(); ++i) {
-    fits = fits && FitsReal(reals[i]);
-    insert.BindReal(timestamp_column + 1 + static_cast<int>(i), reals[i]);
-  }
-  if (fits) {
-    insert.BindNull(exact_column);
-    return;
-  }
-  exact.Clear();
-  exact.Put(keyframe.timestamp);
-  exact.PutBytes(std::as_bytes(std::span(reals)));
-  insert.BindBlob(exact_column, exact.bytes());
-}
 
 // One row of the table keyframe.
 class KeyframeWriter {
@@ -68,24 +51,7 @@ class KeyframeWriter {
       remove_.Bind(1, entry.row).Run();
       carried_.Remove(entry.row);
     }
-    const Features& features = keyframe.features;
-    insert_.Bind(1, entry.row).Bind(2, map).Bind(3, atlas_).Bind(4, ToColumn(keyframe.id));
-    insert_.Bind(5, entry.unique ? ToReference(keyframe.id) : std::nullopt).Bind(6, hash).Bind(7, links_hash);
-    insert_.Bind(8, ToColumn(keyframe.frame_id));
-    BindReals(insert_, keyframe, 9, 42, exact_);
-    insert_.Bind(26, ToReference(keyframe.camera)).Bind(27, ToReference(keyframe.right_camera));
-    insert_.Bind(28, ToReference(keyframe.parent)).Bind(29, ToReference(keyframe.previous));
-    insert_.Bind(30, ToReference(keyframe.next)).Bind(31, std::int64_t{keyframe.origin_map});
-    insert_.Bind(32, std::int64_t{features.count}).Bind(33, std::int64_t{features.left_count});
-    insert_.Bind(34, std::int64_t{features.right_count});
-    int column = 35;
-    for (const Flag flag : {keyframe.first_connection, keyframe.not_erase, keyframe.to_be_erased, keyframe.bad,
-                            keyframe.imu_initialized, keyframe.has_velocity}) {
-      insert_.Bind(column++, std::int64_t{flag.recorded});
-    }
-    details_.Clear();
-    detail::EncodeDetails(keyframe, details_);
-    insert_.BindBlob(41, details_.bytes()).Run();
+    insert_.BindAll(row_.Of({entry.row, map, atlas_, entry.unique, hash, links_hash}, keyframe)).Run();
     carried_.Write(entry.row, keyframe.carried);
   }
 
@@ -94,7 +60,7 @@ class KeyframeWriter {
   PastWriter& past_;
   CarriedWriter carried_;
   Statement remove_, is_at_, insert_;
-  ByteWriter details_, exact_;
+  rows::KeyframeRow row_;
 };
 
 // The rows of keyframe_link. Flush() after the last.
@@ -183,18 +149,18 @@ void WriteFeatures(SaveContext& context, const ListPlan& plan, const Map& map, c
                    "table keyframe_features");
   constexpr std::size_t kTail = 2 * sizeof(std::int64_t);  // behind picture and points: the picture's size and hash
   const auto pack = [&](std::size_t i, std::string& bytes) {
-    ByteWriter out(std::move(bytes));
-    EncodePicture(map.keyframes[changed[i]], out);
+    detail::ByteWriter out(std::move(bytes));
+    rows::EncodePicture(map.keyframes[changed[i]], out);
     const auto size = static_cast<std::int64_t>(out.bytes().size());
     const std::int64_t hash = HashOfPicture(out.bytes());
-    EncodePoints(map.keyframes[changed[i]], out);
+    rows::EncodePoints(map.keyframes[changed[i]], out);
     out.Put(size);
     out.Put(hash);
     bytes = out.Take();
   };
   const auto write = [&](std::size_t i, const std::string& bytes) {
     const Bytes packed = std::as_bytes(std::span(bytes));
-    ByteReader tail(packed.last(kTail));
+    detail::ByteReader tail(packed.last(kTail));
     const auto size = static_cast<std::size_t>(tail.Get<std::int64_t>());
     const auto hash = tail.Get<std::int64_t>();
     const std::size_t k = changed[i];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
-#include <deque>
 #include <tuple>
 #include <vector>
 
+#include "slamdb/formats/rows/detail/point_row.h"
 #include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/box_tree.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
@@ -23,7 +23,7 @@ class PointWriter {
         remove_(context.database, "DELETE FROM map_point WHERE row = ?1", "table map_point"),
         is_at_(context.database, "SELECT 1 FROM map_point WHERE row = ?1 AND x IS ?2 AND y IS ?3 AND z IS ?4",
                "table map_point"),
-        insert_(context.database, "map_point", 26),
+        insert_(context.database, "map_point", rows::PointRow::kColumns),
         carried_(context.database, CarriedKind::kPoint) {}
 
   // Whether the position that is stored is another one.
@@ -43,56 +43,17 @@ class PointWriter {
       remove_.Bind(1, entry.row).Run();
       carried_.Remove(entry.row);
     }
-    const Reals reals{point.position.x(), point.position.y(), point.position.z(), point.normal.x(),
-                      point.normal.y(),   point.normal.z(),   point.min_distance, point.max_distance};
-    insert_.Add(std::array<Value, 26>{entry.row,
-                                      map,
-                                      ToColumn(point.id),
-                                      ValueOrNull(entry.unique ? ToReference(point.id) : std::nullopt),
-                                      hash,
-                                      observations_hash,
-                                      reals[0],
-                                      reals[1],
-                                      reals[2],
-                                      reals[3],
-                                      reals[4],
-                                      reals[5],
-                                      reals[6],
-                                      reals[7],
-                                      ValueOrNull(ToReference(point.reference)),
-                                      ValueOrNull(ToReference(point.replaced_by)),
-                                      point.first_keyframe,
-                                      point.first_frame,
-                                      std::int64_t{point.observation_count},
-                                      std::int64_t{point.bad.recorded},
-                                      Bytes(std::as_bytes(std::span(point.descriptor))),
-                                      std::int64_t{static_cast<std::uint8_t>(point.descriptor_form)},
-                                      ExactOf(reals),
-                                      Recorded(point.origin_map, MapPoint::kNoOrigin),
-                                      Recorded(point.visible_count, MapPoint::kNoCount),
-                                      Recorded(point.found_count, MapPoint::kNoCount)});
+    insert_.Add(row_.Of({entry.row, map, entry.unique, hash, observations_hash}, point));
     carried_.Write(entry.row, point.carried);
   }
   void Flush() { insert_.Flush(); }
 
  private:
-  using Reals = std::array<float, 8>;
-
-  // What REAL columns do not keep.
-  Value ExactOf(const Reals& reals) {
-    if (std::ranges::all_of(reals, [](float value) { return FitsReal(value); })) return Value();
-    return Bytes(std::as_bytes(std::span(exact_.emplace_back(reals))));
-  }
-  template <class Integer>
-  static Value Recorded(Integer value, Integer not_recorded) {
-    return value == not_recorded ? Value() : Value(std::int64_t{value});
-  }
-
   PastWriter& past_;
   Statement remove_, is_at_;
   BatchInsert insert_;
   CarriedWriter carried_;
-  std::deque<Reals> exact_;
+  rows::PointRow row_;
 };
 
 // The rows of observation. Flush() after the last.

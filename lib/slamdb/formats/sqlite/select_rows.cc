@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/rows/detail/plan.h"
 #include "slamdb/formats/sqlite/detail/load.h"
-#include "slamdb/formats/sqlite/detail/plan.h"
 
 namespace slamdb::sqlite {
 namespace {

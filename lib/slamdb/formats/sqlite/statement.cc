@@ -43,6 +43,23 @@ Statement& Statement::BindNull(int index) {
   Check(sqlite3_bind_null(handle_.get(), index));
   return *this;
 }
+Statement& Statement::BindAll(std::span<const rows::Value> values) {
+  int index = 1;
+  for (const rows::Value& value : values) {
+    if (const auto* integer = std::get_if<std::int64_t>(&value))
+      Bind(index, *integer);
+    else if (const auto* real = std::get_if<double>(&value))
+      BindReal(index, *real);
+    else if (const auto* text = std::get_if<std::string_view>(&value))
+      BindText(index, *text);
+    else if (const auto* blob = std::get_if<Bytes>(&value))
+      BindBlob(index, *blob);
+    else
+      BindNull(index);
+    ++index;
+  }
+  return *this;
+}
 Statement& Statement::BindPointer(int index, void* value, const char* type) {
   Check(sqlite3_bind_pointer(handle_.get(), index, value, type, nullptr));
   return *this;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/sqlite/detail/summary.h"
 
-#include <cmath>
 #include <optional>
 #include <unordered_map>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/rows/detail/summary_columns.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/save.h"
 #include "slamdb/formats/sqlite/detail/statistics.h"
@@ -15,24 +15,6 @@ namespace slamdb::sqlite {
 namespace {
 
 using slamdb::detail::Concat;
-
-// In the order of their bits in atlas.sensors.
-constexpr MapSensor kSensors[] = {MapSensor::kMonocular, MapSensor::kStereoOrRgbd, MapSensor::kFisheyeStereo};
-
-std::int64_t BitsOf(const std::vector<MapSensor>& sensors) {
-  std::int64_t bits = 0;
-  for (const MapSensor sensor : sensors)
-    for (std::size_t i = 0; i < std::size(kSensors); ++i)
-      if (kSensors[i] == sensor) bits |= std::int64_t{1} << i;
-  return bits;
-}
-
-std::vector<MapSensor> SensorsOf(std::int64_t bits) {
-  std::vector<MapSensor> sensors;
-  for (std::size_t i = 0; i < std::size(kSensors); ++i)
-    if ((bits >> i & 1) != 0) sensors.push_back(kSensors[i]);
-  return sensors;
-}
 
 std::optional<double> RealOrNone(const Statement& statement, int column) {
   return statement.IsNull(column) ? std::nullopt : std::optional(statement.Real(column));
@@ -92,19 +74,6 @@ std::string ProblemOf(const StoredAtlas& atlas, const MostRows& most) {
   return problem;
 }
 
-// As far as it can be told without the rows.
-std::string ProblemOf(const StoredAtlas& atlas) {
-  const auto is_negative = [](std::uint64_t count) { return static_cast<std::int64_t>(count) < 0; };
-  if (is_negative(atlas.observations)) return "a negative count of observations";
-  if (is_negative(atlas.bytes)) return "a negative size";
-  if (!(std::isfinite(atlas.trajectory_length) && atlas.trajectory_length >= 0))
-    return Concat("a trajectory of length ", atlas.trajectory_length);
-  if (!(std::isfinite(atlas.duration) && atlas.duration >= 0)) return Concat("a duration of ", atlas.duration, " s");
-  if (!std::isfinite(atlas.begin_time.value_or(0)) || !std::isfinite(atlas.end_time.value_or(0)))
-    return "a time that is not finite";
-  return {};
-}
-
 }  // namespace
 
 void SaveSummary(Database& database, std::int64_t atlas, const AtlasSummary& summary) {
@@ -112,7 +81,7 @@ void SaveSummary(Database& database, std::int64_t atlas, const AtlasSummary& sum
                    "UPDATE atlas SET sensors = ?2, has_imu = ?3, is_metric = ?4, landmarks = ?5, trajectory_length = "
                    "?6, duration = ?7, begin_time = ?8, end_time = ?9, bytes = ?10 WHERE row = ?1",
                    "table atlas");
-  update.Bind(1, atlas).Bind(2, BitsOf(summary.sensors)).Bind(3, std::int64_t{summary.has_imu});
+  update.Bind(1, atlas).Bind(2, rows::BitsOf(summary.sensors)).Bind(3, std::int64_t{summary.has_imu});
   update.Bind(4, std::int64_t{summary.is_metric}).Bind(5, ToColumn(summary.landmarks));
   update.BindReal(6, summary.trajectory_length).BindReal(7, summary.duration);
   BindRealOrNone(update, 8, summary.begin_time);
@@ -154,7 +123,7 @@ std::vector<StoredAtlas> ListAtlases(Database& database) {
     if (statement.IsNull(column)) {
       atlas.bytes = BytesOf(database, statement.Integer(0));
     } else {
-      atlas.sensors = SensorsOf(statement.Integer(column++));
+      atlas.sensors = rows::SensorsOf(statement.Integer(column++));
       atlas.has_imu = number() != 0;
       atlas.is_metric = number() != 0;
       atlas.landmarks = number();
@@ -165,7 +134,7 @@ std::vector<StoredAtlas> ListAtlases(Database& database) {
       atlas.bytes = number();
     }
     atlas.problem = ProblemOf(atlas, most[statement.Integer(0)]);
-    if (atlas.problem.empty()) atlas.problem = ProblemOf(atlas);
+    if (atlas.problem.empty()) atlas.problem = rows::ProblemOf(atlas);
   }
   return atlases;
 }

@@ -5,18 +5,15 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
-#include <variant>
 #include <vector>
 
+#include "slamdb/formats/rows/detail/value.h"
 #include "slamdb/formats/sqlite/detail/database.h"
 
 namespace slamdb::sqlite {
 
-// What a column of a row holds: NULL, an integer, a real number, a text or a blob.
-using Value = std::variant<std::monostate, std::int64_t, double, std::string_view, Bytes>;
-
-inline Value ValueOrNull(std::optional<std::int64_t> value) { return value ? Value(*value) : Value(); }
+using rows::Value;
+using rows::ValueOrNull;
 
 // Inserts new rows into a table, by the batch: SQL selects them from memory (a virtual table), which takes less than
 // half of binding them to a statement one by one.

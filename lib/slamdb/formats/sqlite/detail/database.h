@@ -8,6 +8,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 #include "slamdb/base/progress.h"
+#include "slamdb/formats/rows/detail/value.h"
 
 // SQLite as this folder uses it: connections and prepared statements that own their handles and throw slamdb::Error.
 namespace slamdb::sqlite {
@@ -136,6 +138,7 @@ class Statement {
   Statement& BindText(int index, std::string_view value);
   Statement& BindBlob(int index, Bytes value);
   Statement& BindNull(int index);
+  Statement& BindAll(std::span<const rows::Value> values);           // from the first parameter on
   Statement& BindPointer(int index, void* value, const char* type);  // for a virtual table that knows the type
 
   bool Step();  // true: a row is there

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -12,6 +10,8 @@
 #include <vector>
 
 #include "slamdb/formats/format.h"
+#include "slamdb/formats/rows/detail/columns.h"
+#include "slamdb/formats/rows/detail/plan.h"
 #include "slamdb/formats/sqlite/detail/database.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/detail/row_hash.h"
@@ -25,6 +25,10 @@
 namespace slamdb::sqlite {
 
 using detail::AtlasHashes;
+using rows::FirstRowOfMap;
+using rows::FromReference;
+using rows::LastRowOfMap;
+using rows::MapOfRow;
 
 // Thrown when a connection sees another state of the atlas than the first one did: load again.
 struct SnapshotChanged {};
@@ -127,27 +131,5 @@ Error DamagedRow(Database& database, const char* table, std::int64_t row);
 
 // Throws DamagedRow unless the row of the entity `id` is as it was saved, or the connection accepts edits.
 void RequireSame(Database& database, const char* table, std::int64_t row, std::uint64_t id, bool same);
-
-// Real numbers of a row, exact in `values`, and as far as columns can hold them in those from `first` on, where NULL
-// stands for NaN. What somebody edited is the columns: false when they differ, and `values` are then those.
-template <class Columns, class Value, std::size_t size>
-bool TakeColumns(const Columns& columns, int first, std::array<Value, size>& values) {
-  bool same = true;
-  for (std::size_t i = 0; i < size; ++i) {
-    const int column = first + static_cast<int>(i);
-    const bool is_null = columns.IsNull(column);
-    if (values[i] == values[i] ? !is_null && columns.Real(column) == static_cast<double>(values[i]) : is_null) continue;
-    values[i] = is_null ? std::numeric_limits<Value>::quiet_NaN() : static_cast<Value>(columns.Real(column));
-    same = false;
-  }
-  return same;
-}
-
-// The entity that a column of a Statement or Row names, none where it is NULL.
-template <class Entity, class Columns>
-Entity FromReference(const Columns& columns, int column) {
-  const std::int64_t id = columns.Integer(column);  // 0 for NULL, too: rare enough to look twice
-  return id == 0 && columns.IsNull(column) ? Entity() : Entity(static_cast<std::uint64_t>(id));
-}
 
 }  // namespace slamdb::sqlite

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "slamdb/formats/rows/stored.h"
 #include "slamdb/formats/sqlite/detail/database.h"
-#include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::sqlite {
 

@@ -3,8 +3,8 @@
 
 #include <span>
 
+#include "slamdb/formats/rows/places.h"
 #include "slamdb/formats/sqlite/detail/database.h"
-#include "slamdb/formats/sqlite/places.h"
 
 namespace slamdb::sqlite {
 

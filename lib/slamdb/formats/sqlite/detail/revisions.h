@@ -7,28 +7,19 @@
 #include <string_view>
 #include <vector>
 
+#include "slamdb/formats/rows/detail/revision_names.h"
+#include "slamdb/formats/rows/revisions.h"
 #include "slamdb/formats/sqlite/detail/database.h"
-#include "slamdb/formats/sqlite/revisions.h"
 
 // The tables `revision` and `tag`: which revisions of an atlas can be read, and what they are called.
 namespace slamdb::sqlite {
 
-// What NAME or NAME@WHICH stands for.
-struct Named {
-  std::int64_t atlas = 0;  // its row
-  std::string name;        // of the atlas
-  std::int64_t number = 0, newest = 0;
-  bool is_newest() const { return number == newest; }
-};
+using rows::Named;
 
 // Throws Error: kNotFound naming the atlases or revisions that there are.
 Named Find(Database& database, std::string_view text);
 
-// `; it holds a, b`, for errors about names.
-std::string AllNames(Database& database);
-
-// Whether something that ends like this reads like a revision whatever the store has: a number, a date.
-bool LooksLikeRevision(std::string_view name);
+std::vector<std::string> NamesOf(Database& database);  // of all atlases, ascending
 
 // Enters the newest revision of an atlas, which `history` tells of.
 void AddRevision(Database& database, std::int64_t atlas, std::int64_t history, const std::optional<RevisionName>& from);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
-#include <deque>
 #include <string>
 
+#include "slamdb/formats/rows/detail/change_counter.h"
+#include "slamdb/formats/rows/detail/columns.h"
+#include "slamdb/formats/rows/detail/keyframe_row.h"
+#include "slamdb/formats/rows/detail/plan.h"
+#include "slamdb/formats/rows/stored.h"
 #include "slamdb/formats/sqlite/detail/database.h"
 #include "slamdb/formats/sqlite/detail/past.h"
-#include "slamdb/formats/sqlite/detail/plan.h"
-#include "slamdb/formats/sqlite/store.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/detail/row_hash.h"
 
@@ -19,16 +20,15 @@
 namespace slamdb::sqlite {
 
 using detail::AtlasHashes;
-
-// Counts what happens to the rows of each table.
-class ChangeCounter {
- public:
-  TableChanges& operator[](const std::string& table);
-  std::vector<TableChanges> Take() const { return {tables_.begin(), tables_.end()}; }
-
- private:
-  std::deque<TableChanges> tables_;  // so that references stay valid
-};
+using rows::ChangeCounter;
+using rows::CountLinks;
+using rows::FirstRowOfMap;
+using rows::LastRowOfMap;
+using rows::ListPlan;
+using rows::PlanList;
+using rows::StoredRow;
+using rows::ToColumn;
+using rows::ToReference;
 
 // What the parts of a save share.
 struct SaveContext {
@@ -69,26 +69,5 @@ void SaveLandmarks(SaveContext& context, std::int64_t row, const Map& map, const
 // `expected` is about how many there will be.
 std::vector<StoredRow> ReadStoredRows(Database& database, const std::string& table, const std::string& details_hash,
                                       std::int64_t map, std::size_t expected);
-
-// How many rows of keyframe_link a keyframe has.
-inline std::size_t CountLinks(const KeyFrame& keyframe) {
-  return keyframe.children.size() + keyframe.connections.size() + keyframe.loop_edges.size() +
-         keyframe.merge_edges.size();
-}
-
-// ---- values as columns
-
-inline std::int64_t ToColumn(std::uint64_t value) { return static_cast<std::int64_t>(value); }
-template <class Entity>
-std::int64_t ToColumn(Id<Entity> id) {
-  return static_cast<std::int64_t>(id.value());
-}
-// As a reference: NULL for none.
-template <class Entity>
-std::optional<std::int64_t> ToReference(Id<Entity> id) {
-  return id.has_value() ? std::optional(static_cast<std::int64_t>(id.value())) : std::nullopt;
-}
-// False for NaN and -0.0, which a REAL column does not keep.
-inline bool FitsReal(double value) { return value == value && !(value == 0 && std::signbit(value)); }
 
 }  // namespace slamdb::sqlite

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "slamdb/formats/rows/stored.h"
 #include "slamdb/formats/sqlite/detail/database.h"
-#include "slamdb/formats/sqlite/store.h"
 
 namespace slamdb::sqlite {
 

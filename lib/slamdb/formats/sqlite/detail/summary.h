@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/formats/rows/stored.h"
 #include "slamdb/formats/sqlite/detail/database.h"
-#include "slamdb/formats/sqlite/store.h"
 #include "slamdb/model/map_query.h"
 #include "slamdb/model/summary.h"
 

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/rows/detail/place_table.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "slamdb/base/detail/parallel.h"
+
+namespace slamdb::rows {
+namespace {
+
+constexpr std::size_t kNeighbours = 3;  // on each side, that vote with one
+constexpr double kChance = 11;          // that pictures of other places come to: see likeness
+constexpr double kFaint = 0.6;          // of the best likeness, under which such a place is passed over
+
+// A place, by the row of its keyframe in the table.
+struct Vote {
+  std::size_t keyframe = 0;
+  double likeness = 0;
+};
+
+template <class Visit>
+void ForEachWord(const PlaceWords& words, const Visit& visit) {
+  for (std::size_t part = 0; part < words.size(); ++part)
+    for (std::uint64_t bits = words[part]; bits != 0; bits &= bits - 1)
+      visit(part * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
+}
+
+class PlaceTable {
+ public:
+  PlaceTable(const std::map<std::int64_t, PlaceMap>& maps, std::vector<PlaceKeyframe> keyframes)
+      : maps_(maps), keyframes_(std::move(keyframes)) {
+    std::ranges::stable_sort(keyframes_, [](const PlaceKeyframe& a, const PlaceKeyframe& b) {
+      return a.map != b.map ? a.map < b.map : a.id < b.id;
+    });
+    Weigh();
+  }
+
+  std::vector<StoredPlace> PlacesLike(const PlaceWords& picture, const PlaceOptions& options) const {
+    std::vector<StoredPlace> places;
+    for (const Vote& vote : BestOf(VotesOf(ScoresOf(picture)), options)) {
+      const PlaceKeyframe& keyframe = keyframes_[vote.keyframe];
+      const PlaceMap& map = maps_.at(keyframe.map);
+      places.push_back({map.atlas, map.id, KeyFrameId(keyframe.id), vote.likeness});
+    }
+    return places;
+  }
+
+ private:
+  // How often words are, as a share of all, and how much they tell: in real maps at large. What is frequent in the
+  // store may be so because it holds one room, or maps that somebody made up.
+  void Weigh() {
+    const std::vector<double> frequencies = PlaceWordFrequencies();
+    const double sum = std::reduce(frequencies.begin(), frequencies.end());
+    for (const double frequency : frequencies) {
+      rarity_.push_back(static_cast<float>(-std::log(frequency)));
+      share_.push_back(frequency / sum);
+    }
+    for (const PlaceKeyframe& keyframe : keyframes_) {
+      counts_.push_back(0);
+      for (const std::uint64_t part : keyframe.words) counts_.back() += static_cast<std::uint32_t>(std::popcount(part));
+    }
+  }
+
+  // Pictures unlike those of real maps, as made ones are, have more in common with all of their kind: that tells
+  // nothing.
+  void ForgetWhatAllHave(std::vector<float>& scores) const {
+    std::vector<float> sorted;
+    for (std::size_t i = 0; i < scores.size(); ++i)
+      if (counts_[i] > 0) sorted.push_back(scores[i]);
+    if (sorted.empty()) return;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    for (float& score : scores) score = std::max(0.0F, score - std::max(0.0F, *middle));
+  }
+
+  // By keyframe, by how many standard deviations it has more in common with the picture than one with as many words
+  // that has nothing to do with it.
+  std::vector<float> ScoresOf(const PlaceWords& picture) const {
+    double mean = 0, variance = 0;  // of a keyframe with one word
+    ForEachWord(picture, [&](std::size_t word) {
+      const auto rarity = static_cast<double>(rarity_[word]);
+      mean += rarity * share_[word];
+      variance += rarity * rarity * share_[word];
+    });
+    std::vector<float> scores(keyframes_.size(), 0);
+    if (!(variance > 0)) return scores;
+    for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+      const double count = counts_[i];
+      if (count == 0) continue;
+      PlaceWords both = picture;
+      for (std::size_t part = 0; part < both.size(); ++part) both[part] &= keyframes_[i].words[part];
+      float common = 0;
+      ForEachWord(both, [&](std::size_t word) { common += rarity_[word]; });
+      const double score = (static_cast<double>(common) - count * mean) / std::sqrt(count * variance);
+      scores[i] = static_cast<float>(score);
+    }
+    ForgetWhatAllHave(scores);
+    return scores;
+  }
+
+  bool IsNear(std::size_t one, std::size_t other) const {
+    return keyframes_[one].map == keyframes_[other].map && std::max(one, other) - std::min(one, other) <= kNeighbours;
+  }
+
+  std::vector<float> VotesOf(const std::vector<float>& scores) const {
+    std::vector<float> votes(scores.size(), 0);
+    for (std::size_t i = 0; i < scores.size(); ++i)
+      for (std::size_t j = i - std::min(i, kNeighbours); j < std::min(scores.size(), i + kNeighbours + 1); ++j)
+        if (IsNear(i, j)) votes[i] += scores[j];
+    return votes;
+  }
+
+  std::vector<Vote> BestOf(const std::vector<float>& votes, const PlaceOptions& options) const {
+    std::vector<Vote> order, best;
+    for (std::size_t i = 0; i < votes.size(); ++i)
+      if (votes[i] > 0) order.push_back({i, static_cast<double>(votes[i])});
+    std::ranges::stable_sort(order, std::greater(), &Vote::likeness);
+    std::map<std::int64_t, std::size_t> of_map;
+    for (const Vote& vote : order) {
+      if (!options.faint && vote.likeness < kChance && vote.likeness < kFaint * order.front().likeness) break;
+      const std::int64_t map = keyframes_[vote.keyframe].map;
+      const auto known = of_map.find(map);
+      if (known == of_map.end() ? best.size() >= options.places : known->second >= options.of_map) continue;
+      if (std::ranges::any_of(best, [&](const Vote& other) { return IsNear(vote.keyframe, other.keyframe); })) continue;
+      ++of_map[map];
+      best.push_back(vote);
+    }
+    return best;
+  }
+
+  const std::map<std::int64_t, PlaceMap>& maps_;
+  std::vector<PlaceKeyframe> keyframes_;  // by map and id
+  std::vector<std::uint32_t> counts_;     // of the words of each
+  std::vector<float> rarity_;             // by word
+  std::vector<double> share_;
+};
+
+// Atlases with keyframes that the store knows no words of.
+std::vector<std::string> UnknownIn(const std::map<std::int64_t, PlaceMap>& maps,
+                                   const std::vector<PlaceKeyframe>& keyframes, const std::set<std::string>& without) {
+  std::set<std::int64_t> of_maps;
+  for (const PlaceKeyframe& keyframe : keyframes)
+    if (keyframe.is_unknown) of_maps.insert(keyframe.map);
+  std::set<std::string> names;
+  for (const std::int64_t map : of_maps)
+    if (const std::string& atlas = maps.at(map).atlas; !without.contains(atlas)) names.insert(atlas);
+  return {names.begin(), names.end()};
+}
+
+}  // namespace
+
+StoredPlaces FindPlaces(const std::map<std::int64_t, PlaceMap>& maps, std::vector<PlaceKeyframe> keyframes,
+                        std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) {
+  const std::set<std::string> without(options.without.begin(), options.without.end());
+  std::erase_if(keyframes, [&](const PlaceKeyframe& keyframe) { return !maps.contains(keyframe.map); });
+  StoredPlaces places{.by_picture = std::vector<std::vector<StoredPlace>>(pictures.size()),
+                      .unknown = UnknownIn(maps, keyframes, without)};
+  for (PlaceKeyframe& keyframe : keyframes)
+    if (without.contains(maps.at(keyframe.map).atlas)) keyframe.words = {};
+  const PlaceTable table(maps, std::move(keyframes));
+  detail::ParallelFor(pictures.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      places.by_picture[i] = table.PlacesLike(PlaceWordsOf(pictures[i]), options);
+  });
+  return places;
+}
+
+}  // namespace slamdb::rows

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/rows/detail/revision_names.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <iterator>
+#include <map>
+#include <set>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/date_times.h"
+#include "slamdb/base/detail/visible.h"
+#include "slamdb/formats/rows/stored.h"
+
+namespace slamdb {
+
+bool IsNameOfAtlas(std::string_view name) {
+  return detail::ProblemOfName(name).empty() && name.find_first_of("#/") == std::string_view::npos;
+}
+
+bool IsNameOfTag(const std::string& name) {
+  return IsNameOfAtlas(name) && name.find_first_of("@{}") == std::string::npos && !rows::LooksLikeRevision("@" + name);
+}
+
+}  // namespace slamdb
+
+namespace slamdb::rows {
+namespace {
+
+using detail::Concat;
+
+std::optional<std::int64_t> NumberOf(std::string_view text) {
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  return number;
+}
+
+bool IsDate(std::string_view which) { return which.size() > 2 && which.front() == '{' && which.back() == '}'; }
+
+// The last moment of what is in braces: of a day, a minute or a second. Nothing when it is no time.
+std::optional<std::string> EndOf(std::string_view which) {
+  std::string time(which.substr(1, which.size() - 2));
+  if (time.ends_with('Z')) time.pop_back();
+  if (time.size() > 10 && time[10] == ' ') time[10] = 'T';
+  constexpr std::string_view kLast = "9999-12-31T23:59:59";
+  if (time.size() != 10 && time.size() != 16 && time.size() != kLast.size()) return std::nullopt;
+  time += std::string(kLast.substr(time.size())) + "Z";
+  if (!detail::ParseDateTime(time, {})) return std::nullopt;
+  return time;
+}
+
+std::string DaysAgo(double days) {
+  const auto now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  return detail::DateTimeText(std::max(0.0, std::floor(now - days * 86400))).value_or("");
+}
+
+}  // namespace
+
+std::optional<SplitName> SplitAtRevision(std::string_view text) {
+  const std::size_t at = text.rfind('@');
+  if (at == std::string_view::npos) return std::nullopt;
+  return SplitName{text.substr(0, at), text.substr(at + 1)};
+}
+
+bool LooksLikeRevision(std::string_view name) {
+  const std::optional<SplitName> split = SplitAtRevision(name);
+  return split && (IsDate(split->which) || NumberOf(split->which));
+}
+
+Which ParseWhich(std::string_view which, std::int64_t newest, const std::string& path) {
+  if (IsDate(which)) {
+    std::optional<std::string> end = EndOf(which);
+    if (!end)
+      throw Error(
+          ErrorKind::kUsage, path, "",
+          Concat("'", which, "' is no date: expected {2026-11-20}, {2026-11-20T08:30} or {2026-11-20T08:30:15}, UTC"));
+    return {.kind = Which::Kind::kBy, .by = std::move(*end)};
+  }
+  if (const std::optional<std::int64_t> number = NumberOf(which))
+    return {.kind = Which::Kind::kNumber, .number = *number < 0 ? newest + *number : *number};
+  return {};
+}
+
+std::string Ranges(const std::vector<std::int64_t>& numbers) {
+  std::string text;
+  for (std::size_t first = 0; first < numbers.size();) {
+    std::size_t last = first;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    text += Concat(text.empty() ? "" : ", ", numbers[first]);
+    if (last > first) text += Concat(last == first + 1 ? ", " : " to ", numbers[last]);
+    first = last + 1;
+  }
+  return text;
+}
+
+Error NoSuchRevision(const std::string& path, const Named& of, std::string_view which,
+                     const std::vector<std::int64_t>& numbers, const std::vector<std::string>& tags,
+                     std::string_view why) {
+  std::string known = "; it has " + Ranges(numbers);
+  for (const std::string& tag : tags) known += (&tag == tags.data() ? ", tagged " : ", ") + tag;
+  return Error(ErrorKind::kNotFound, path, "", Concat("no revision '", which, "' of '", of.name, "'", why, known));
+}
+
+std::string ListOfNames(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "; it holds " : ", ") + name;
+  return list.empty() ? "; the store is empty" : list;
+}
+
+Error NoSuchAtlas(const std::string& path, std::string_view text, const std::vector<std::string>& names) {
+  const std::optional<SplitName> split = SplitAtRevision(text);
+  return Error(ErrorKind::kNotFound, path, "",
+               Concat("no atlas named '", split ? split->name : text, "'", ListOfNames(names)));
+}
+
+Error NoSuchTag(const std::string& path, const std::string& atlas, const std::string& tag,
+                const std::vector<std::string>& tags) {
+  std::string known;
+  for (const std::string& each : tags) known += (known.empty() ? "; it has " : ", ") + each;
+  return Error(ErrorKind::kNotFound, path, "", Concat("no tag '", tag, "' of '", atlas, "'", known));
+}
+
+Error TagIsTaken(const std::string& path, const std::string& atlas, const std::string& tag, std::int64_t revision) {
+  return Error(
+      ErrorKind::kAlreadyExists, path, "",
+      Concat("revision ", revision, " of '", atlas, "' has the tag '", tag, "' already: remove it there first"));
+}
+
+void CheckName(const std::string& path, const std::string& name) {
+  if (IsNameOfAtlas(name)) return;
+  std::string_view problem = detail::ProblemOfName(name);
+  if (problem.empty()) problem = "holds `#` or `/`";
+  throw Error(ErrorKind::kUsage, path, "",
+              Concat("the name of an atlas is 1 to 255 bytes of UTF-8 without `#`, `/`, control characters and others "
+                     "that cannot be seen: '",
+                     name, "' ", problem));
+}
+
+std::vector<std::int64_t> KeptOf(const std::vector<KeptRevision>& all, const GiveUpOptions& options) {
+  const std::string since = options.keep_days ? DaysAgo(*options.keep_days) : std::string("9999");
+  const std::uint64_t last = std::min<std::uint64_t>(std::max<std::uint64_t>(options.keep.value_or(1), 1), all.size());
+  std::vector<std::int64_t> kept;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (i + last >= all.size() || all[i].at >= since || all[i].is_needed) kept.push_back(all[i].number);
+  return kept;
+}
+
+namespace {
+
+struct Ancestor {
+  std::string atlas;
+  std::int64_t number = 0, hash = 0;
+  auto operator<=>(const Ancestor&) const = default;
+};
+
+// Which revisions those of a store were made of.
+class Ancestry {
+ public:
+  explicit Ancestry(const std::vector<RevisionOf>& all) {
+    for (const RevisionOf& each : all) of_[each.atlas].push_back(&each);
+  }
+
+  // The revision itself and all that it was made of, nearest first.
+  std::vector<Ancestor> Of(const Named& named) const {
+    std::vector<Ancestor> all;
+    std::set<Ancestor> seen;
+    std::deque<Ancestor> waiting;
+    if (std::optional<Ancestor> self = Find(named.name, named.number)) waiting.push_back(std::move(*self));
+    while (!waiting.empty()) {
+      Ancestor next = std::move(waiting.front());
+      waiting.pop_front();
+      if (!seen.insert(next).second) continue;
+      std::ranges::copy(ParentsOf(next), std::back_inserter(waiting));
+      all.push_back(std::move(next));
+    }
+    return all;
+  }
+  std::vector<Ancestor> ParentsOf(const Ancestor& of) const {
+    std::vector<Ancestor> parents;
+    const auto add = [&](std::optional<Ancestor> parent) {
+      if (parent) parents.push_back(std::move(*parent));
+    };
+    const std::vector<const RevisionOf*>& all = of_.at(of.atlas);
+    const auto at = std::ranges::find(all, of.number, &RevisionOf::number);
+    if (at != all.begin()) add(Find(of.atlas, (*(at - 1))->number));
+    if (const auto& from = (*at)->from)
+      add(Find(from->atlas, static_cast<std::int64_t>(from->number), static_cast<std::int64_t>(from->hash)));
+    return parents;
+  }
+
+ private:
+  // The first of its atlas with that content. Nothing when it cannot be read any more, or another atlas has the name by
+  // now.
+  std::optional<Ancestor> Find(const std::string& atlas, std::int64_t number,
+                               std::optional<std::int64_t> hash = {}) const {
+    const auto of = of_.find(atlas);
+    if (of == of_.end()) return std::nullopt;
+    const auto asked = std::ranges::find(of->second, number, &RevisionOf::number);
+    if (asked == of->second.end() || (hash && *hash != (*asked)->hash)) return std::nullopt;
+    const auto first = std::ranges::find(of->second, (*asked)->hash, &RevisionOf::hash);
+    return Ancestor{atlas, (*first)->number, (*first)->hash};
+  }
+
+  std::map<std::string, std::vector<const RevisionOf*>> of_;  // ascending numbers
+};
+
+}  // namespace
+
+std::optional<RevisionName> CommonBase(const std::vector<RevisionOf>& all, const Named& first, const Named& second) {
+  const Ancestry ancestry(all);
+  const std::vector<Ancestor> others = ancestry.Of(second);
+  const std::set<Ancestor> of_second(others.begin(), others.end());
+  std::vector<Ancestor> common;
+  for (const Ancestor& each : ancestry.Of(first))
+    if (of_second.contains(each)) common.push_back(each);
+  // What a common one was made of is common, too, and lies behind it.
+  std::set<Ancestor> behind;
+  for (const Ancestor& each : common) std::ranges::copy(ancestry.ParentsOf(each), std::inserter(behind, behind.end()));
+  for (const Ancestor& each : common)
+    if (!behind.contains(each))
+      return RevisionName{each.atlas, static_cast<std::uint64_t>(each.number), static_cast<std::uint64_t>(each.hash)};
+  return std::nullopt;
+}
+
+}  // namespace slamdb::rows
