@@ -95,7 +95,8 @@ bool Finish(PGconn* connection, const ConnectionOptions& options) {
   Clock::time_point start;
   for (auto wanted = PGRES_POLLING_WRITING; wanted != PGRES_POLLING_OK && wanted != PGRES_POLLING_FAILED;) {
     if (options.progress) options.progress("connecting", 0);
-    if (std::exchange(address, AddressOf(connection)) != address) start = Clock::now();
+    const std::string before = std::exchange(address, AddressOf(connection));
+    if (before != address) start = Clock::now();
     const bool is_ready = IsReady(connection, wanted);
     if (!is_ready && std::chrono::duration<double>(Clock::now() - start).count() < timeout) continue;
     if (!is_ready) {

@@ -28,12 +28,6 @@ CopyIn::~CopyIn() {
   Drain(connection_.handle());
 }
 
-void CopyIn::Add(std::span<const Value> row) {
-  Begin();
-  for (const Value& value : row) Put(value);
-  End();
-}
-
 // A server that refuses a row says so only when the copy is ended.
 void CopyIn::ThrowFailure() {
   is_open_ = false;

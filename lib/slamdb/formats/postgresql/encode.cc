@@ -60,6 +60,12 @@ void RowEncoder::End() {
   ++rows_;
 }
 
+void RowEncoder::Add(std::span<const Value> row) {
+  Begin();
+  for (const Value& value : row) Put(value);
+  End();
+}
+
 Type RowEncoder::Next() {
   if (column_ >= types_.size()) ThrowMismatch();
   return types_[column_++];

@@ -47,7 +47,6 @@ CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Ty
   Refuse(connection.path());
 }
 CopyIn::~CopyIn() = default;
-void CopyIn::Add(std::span<const Value>) { Refuse(place_); }
 void CopyIn::Send() { Refuse(place_); }
 std::int64_t CopyIn::Finish() { Refuse(place_); }
 

@@ -33,16 +33,22 @@ class CopyIn {
   void Put(std::span<const std::int32_t> values) { encoder_.Put(values); }
   void End() {
     encoder_.End();
-    if (encoder_.bytes().size() >= kBuffered) Send();
+    SendIfMuch();
   }
   // All columns of a row at once.
-  void Add(std::span<const Value> row);
+  void Add(std::span<const Value> row) {
+    encoder_.Add(row);
+    SendIfMuch();
+  }
 
   // To be called after the last row. Gives how many the server has taken.
   std::int64_t Finish();
 
  private:
   static constexpr std::size_t kBuffered = std::size_t{1} << 20;
+  void SendIfMuch() {
+    if (encoder_.bytes().size() >= kBuffered) Send();
+  }
   void Send();
   [[noreturn]] void ThrowFailure();
 

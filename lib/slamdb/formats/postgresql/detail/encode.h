@@ -60,6 +60,8 @@ class RowEncoder {
   void Put(std::span<const std::int64_t> values);
   void Put(std::span<const std::int32_t> values);
   void End();
+  // All columns of a row at once.
+  void Add(std::span<const Value> row);
 
   // What is encoded so far, to be taken by the caller, who clears it. The header of the COPY comes first.
   std::string& bytes() { return bytes_; }
