@@ -6,11 +6,18 @@
 #include <xxhash.h>
 
 #include <array>
+#include <bit>
 
 namespace slamdb::detail {
 
 std::uint64_t HashBytes(Bytes bytes, std::uint64_t seed) {
   return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
+}
+
+std::array<std::byte, 16> Hash128(Bytes bytes) {
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, XXH3_128bits(bytes.data(), bytes.size()));
+  return std::bit_cast<std::array<std::byte, 16>>(canonical);
 }
 
 std::string Md5(Bytes bytes) {

@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdlib>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/date_times.h"
 #include "slamdb/version.h"
 
 namespace slamdb::rows {
@@ -27,5 +29,10 @@ std::string Who() {
 }
 
 std::string ToolName() { return detail::Concat("slamdb ", Version()); }
+
+std::string TimeOfDay() {
+  return *detail::DateTimeText(
+      static_cast<double>(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+}
 
 }  // namespace slamdb::rows

@@ -4,22 +4,12 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <chrono>
-#include <cstdlib>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/base/detail/date_times.h"
-#include "slamdb/version.h"
 
 namespace slamdb::sqlite {
 namespace {
-
-std::string HostName() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
-}
 
 bool IsGone(std::int64_t process, const std::string& host) {
   return host == HostName() && ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH;
@@ -84,23 +74,6 @@ void CheckStillThere(Database& database) {
   if (StillThere(database)) return;
   throw Error(ErrorKind::kLocked, database.path(), "",
               "was removed, moved or replaced by another program since it was opened: nothing was saved; try again");
-}
-
-// By the environment: asking the system would need its libraries, which a static program lacks.
-std::string Who() {
-  const char* user = std::getenv("LOGNAME");
-  if (user == nullptr || *user == '\0') user = std::getenv("USER");
-  const std::string name = user != nullptr && *user != '\0' ? std::string(user)
-                           : ::geteuid() == 0               ? std::string("root")
-                                                            : detail::Concat("uid ", ::geteuid());
-  return detail::Concat(name, "@", HostName());
-}
-
-std::string ToolName() { return detail::Concat("slamdb ", Version()); }
-
-std::string TimeOfDay() {
-  return *detail::DateTimeText(
-      static_cast<double>(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
 }
 
 }  // namespace slamdb::sqlite

@@ -2,6 +2,8 @@
 #include "slamdb/formats/store/store.h"
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/detail/server.h"
+#include "slamdb/formats/postgresql/detail/postgresql_store.h"
 #include "slamdb/formats/rows/detail/revision_names.h"
 #include "slamdb/formats/rows/detail/store_backend.h"
 #include "slamdb/formats/sqlite/detail/sqlite_store.h"
@@ -24,14 +26,19 @@ Store::~Store() = default;
 Store::Store(Store&&) noexcept = default;
 Store& Store::operator=(Store&&) noexcept = default;
 
-Store Store::Open(const std::string& path, double lock_timeout) { return Store(sqlite::OpenStore(path, lock_timeout)); }
+Store Store::Open(const std::string& path, double lock_timeout) {
+  return Store(detail::IsServer(path) ? postgresql::OpenStore(path, lock_timeout)
+                                      : sqlite::OpenStore(path, lock_timeout));
+}
 
 bool Store::IsYetToBeMade(const std::string& path, double lock_timeout) {
-  return sqlite::IsYetToBeMade(path, lock_timeout);
+  return detail::IsServer(path) ? postgresql::IsYetToBeMade(path, lock_timeout)
+                                : sqlite::IsYetToBeMade(path, lock_timeout);
 }
 
 Store Store::OpenForWriting(const std::string& path, StoreOptions options) {
-  return Store(sqlite::OpenStoreForWriting(path, options));
+  return Store(detail::IsServer(path) ? postgresql::OpenStoreForWriting(path, options)
+                                      : sqlite::OpenStoreForWriting(path, options));
 }
 
 const std::string& Store::path() const { return backend_->path(); }

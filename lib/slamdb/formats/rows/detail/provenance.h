@@ -3,11 +3,12 @@
 
 #include <string>
 
-// Who writes rows, as the log of an atlas and the list of a server's connections tell.
+// Who does what, for the history.
 namespace slamdb::rows {
 
-std::string HostName();  // `unknown` when the system does not tell
-std::string Who();       // `user@host`
-std::string ToolName();  // `slamdb 0.1.0`
+std::string HostName();
+std::string Who();        // `user@host`
+std::string ToolName();   // `slamdb 0.1.0`
+std::string TimeOfDay();  // now, UTC, ISO 8601
 
 }  // namespace slamdb::rows

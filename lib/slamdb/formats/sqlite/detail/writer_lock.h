@@ -3,9 +3,15 @@
 
 #include <string>
 
+#include "slamdb/formats/rows/detail/provenance.h"
 #include "slamdb/formats/sqlite/detail/database.h"
 
 namespace slamdb::sqlite {
+
+using rows::HostName;
+using rows::TimeOfDay;
+using rows::ToolName;
+using rows::Who;
 
 // The write lock of a store for one transaction. SQLite keeps the lock; a row of the table `writer`, committed before,
 // tells others who holds it. Commit() removes the row with the work itself.
@@ -39,9 +45,5 @@ void NamingHolder(Database& database, const Work& work) {
 bool StillThere(Database& database);
 // Throws Error (kLocked) when it is not.
 void CheckStillThere(Database& database);
-
-std::string Who();        // `user@host`
-std::string ToolName();   // `slamdb 0.1.0`
-std::string TimeOfDay();  // now, UTC, ISO 8601
 
 }  // namespace slamdb::sqlite

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/postgresql/detail/catalog.h"
+
+#include <algorithm>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/postgresql/detail/names.h"
+#include "slamdb/formats/postgresql/detail/schema.h"
+#include "slamdb/formats/postgresql/detail/writer_lock.h"
+#include "slamdb/formats/rows/detail/summary_columns.h"
+
+namespace slamdb::postgresql {
+namespace {
+
+using detail::Concat;
+
+std::uint64_t Unsigned(const Row& row, std::size_t column) { return static_cast<std::uint64_t>(row.Integer(column)); }
+
+std::optional<double> RealOrNone(const Row& row, std::size_t column) {
+  return row.IsNull(column) ? std::nullopt : std::optional(row.Real(column));
+}
+
+// ---- search: the maps that match, of those in question
+
+// As SQL with parameters from `first` on, which it appends.
+class Conditions {
+ public:
+  explicit Conditions(const MapQuery& query) {
+    if (query.times) AddTimes(*query.times);
+    if (query.keyframes) AddIds(*query.keyframes);
+    if (query.near) AddBall(*query.near);
+  }
+  const std::string& sql() const { return sql_; }
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+
+ private:
+  std::string Put(double value) {
+    parameters_.emplace_back(value);
+    return Concat("$", parameters_.size());
+  }
+  void AddTimes(const MapQuery::Times& times) {
+    sql_ += Concat(" AND times && span(", Put(times.begin), ", ", Put(times.end), ", '[]')");
+  }
+  // Ids are unsigned: those from 2^63 on are negative here, and greater.
+  void AddIds(const MapQuery::Ids& ids) {
+    const auto number = [&](std::uint64_t id) {
+      parameters_.emplace_back(static_cast<std::int64_t>(id ^ std::uint64_t{1} << 63));
+      return Concat("$", parameters_.size());
+    };
+    const std::string first = number(ids.first), last = number(ids.last);
+    sql_ += Concat(
+        " AND EXISTS (SELECT 1 FROM keyframe WHERE keyframe.atlas = map.atlas AND keyframe.map = map.row AND "
+        "keyframe.until = 2147483647 AND bad = 0 AND (id # (-9223372036854775808)::bigint) BETWEEN ",
+        first, " AND ", last, ")");
+  }
+  // The box of the map first, by its index; its points where that is met.
+  void AddBall(const MapQuery::Ball& ball) {
+    const std::string radius = Put(ball.radius);
+    std::string squares;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string name(1, static_cast<char>('x' + axis)), center = Put(ball.center[axis]);
+      sql_ += Concat(" AND map.", name, " && span(", center, " - ", radius, ", ", center, " + ", radius, ", '[]')");
+      squares +=
+          Concat(axis == 0 ? "" : " + ", "(", name, "::float8 - ", center, ") * (", name, "::float8 - ", center, ")");
+    }
+    const auto has = [&](std::string_view table, std::string_view good) {
+      return Concat("EXISTS (SELECT 1 FROM ", table, " WHERE ", table, ".atlas = map.atlas AND ", table,
+                    ".row BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 AND ", table, ".until = 2147483647",
+                    good, " AND (SELECT ", squares, ") <= ", radius, " * ", radius, ")");
+    };
+    // `squares` names columns of the inner table, which hide those of the map.
+    sql_ += Concat(" AND (", has("map_point", " AND bad = 0"), " OR ", has("landmark", ""), ")");
+  }
+
+  std::string sql_;
+  std::vector<Parameter> parameters_;
+};
+
+// Of the columns from `column` on: who, revision, whether it can be read, what it is from, changes.
+void ReadRevision(const Row& row, std::size_t column, HistoryEntry& entry) {
+  entry.who = row.Text(column++);
+  entry.revision = Unsigned(row, column++);
+  entry.readable = row.Integer(column++) != 0;
+  const std::string tags(row.Text(column++));
+  for (std::size_t first = 0; first < tags.size();) {
+    const std::size_t end = std::min(tags.find('\n', first), tags.size());
+    entry.tags.push_back(tags.substr(first, end - first));
+    first = end + 1;
+  }
+  if (!row.IsNull(column))
+    entry.from = RevisionName{std::string(row.Text(column)), Unsigned(row, column + 1), Unsigned(row, column + 2)};
+  column += 3;
+  if (row.IsNull(column)) return;
+  MapChanges& changes = entry.changes.emplace();
+  for (std::uint64_t* count :
+       {&changes.keyframes_added, &changes.keyframes_removed, &changes.keyframes_moved, &changes.points_added,
+        &changes.points_removed, &changes.points_moved, &changes.observations_added, &changes.observations_removed})
+    *count = Unsigned(row, column++);
+}
+
+}  // namespace
+
+std::vector<StoredAtlas> ListAtlases(Connection& connection) {
+  std::vector<StoredAtlas> atlases;
+  connection.CopyOut(
+      Concat(
+          "SELECT name, maps, keyframes, points, observations, revision, hash, landmarks, bytes, ",
+          TextOfTime("saved_at"),
+          ", sensors, has_imu, is_metric, trajectory_length, duration, begin_time, end_time FROM atlas ORDER BY name "
+          "COLLATE \"C\""),
+      [&](const Row& row) {
+        StoredAtlas& atlas = atlases.emplace_back();
+        std::size_t column = 0;
+        atlas.name = row.Text(column++);
+        for (std::uint64_t* value : {&atlas.maps, &atlas.keyframes, &atlas.points, &atlas.observations, &atlas.revision,
+                                     &atlas.hash, &atlas.landmarks, &atlas.bytes})
+          *value = Unsigned(row, column++);
+        atlas.saved_at = row.Text(column++);
+        atlas.sensors = rows::SensorsOf(row.Integer(column++));
+        atlas.has_imu = row.Integer(column++) != 0;
+        atlas.is_metric = row.Integer(column++) != 0;
+        atlas.trajectory_length = row.Real(column++);
+        atlas.duration = row.Real(column++);
+        atlas.begin_time = RealOrNone(row, column++);
+        atlas.end_time = RealOrNone(row, column++);
+        atlas.problem = rows::ProblemOf(atlas);
+      },
+      "table atlas");
+  return atlases;
+}
+
+std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& query) {
+  if (query.everything()) return NamesOf(connection);
+  const Conditions conditions(query);
+  const Result found = connection.Query(
+      Concat("SELECT name FROM atlas WHERE row IN (SELECT map.atlas FROM map WHERE map.until = 2147483647",
+             conditions.sql(), ") ORDER BY name COLLATE \"C\""),
+      conditions.parameters(), "table map");
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < found.rows(); ++i) names.emplace_back(found[i].Text(0));
+  return names;
+}
+
+std::vector<HistoryEntry> ReadHistory(Connection& connection, const std::string& name) {
+  const Result found = connection.Query(
+      Concat(
+          "SELECT ", TextOfTime("at"),
+          ", tool, action, coalesce(history.atlas, ''), provenance, maps, keyframes, points, observations, inserted, "
+          "updated, deleted, unchanged, history.hash, who, coalesce(history.revision, 0), revision.number IS NOT "
+          "NULL, (SELECT string_agg(tag.name, E'\\n' ORDER BY tag.name COLLATE \"C\") FROM tag WHERE tag.atlas = "
+          "revision.atlas AND tag.number = revision.number), from_atlas, from_number, from_hash, keyframes_added, "
+          "keyframes_removed, keyframes_moved, points_added, points_removed, points_moved, observations_added, "
+          "observations_removed FROM history LEFT JOIN revision ON revision.history = history.row WHERE $1 = '' OR "
+          "history.atlas = $1 ORDER BY history.row"),
+      {name}, "table history");
+  std::vector<HistoryEntry> entries;
+  for (std::size_t i = 0; i < found.rows(); ++i) {
+    const Row row = found[i];
+    HistoryEntry& entry = entries.emplace_back();
+    std::size_t column = 0;
+    for (std::string* text : {&entry.at, &entry.tool, &entry.action, &entry.atlas, &entry.provenance})
+      *text = row.Text(column++);
+    for (std::uint64_t* value : {&entry.maps, &entry.keyframes, &entry.points, &entry.observations, &entry.inserted,
+                                 &entry.updated, &entry.deleted, &entry.unchanged, &entry.hash})
+      *value = Unsigned(row, column++);
+    ReadRevision(row, column, entry);
+  }
+  return entries;
+}
+
+StoreStats ReadStatistics(Connection& connection) {
+  StoreStats stats;
+  stats.version = VersionOf(connection);
+  stats.page_bytes = static_cast<std::uint64_t>(connection.Integer("SELECT current_setting('block_size')::bigint"));
+  // Partitions count as the table that they are of.
+  connection.CopyOut(
+      "SELECT coalesce(parent.relname, class.relname), sum(pg_total_relation_size(class.oid))::bigint FROM pg_class AS "
+      "class LEFT JOIN pg_inherits ON inhrelid = class.oid LEFT JOIN pg_class AS parent ON parent.oid = inhparent "
+      "WHERE "
+      "class.relnamespace = 'slamdb'::regnamespace AND class.relkind IN ('r', 'p') GROUP BY 1 ORDER BY 2 DESC, 1",
+      [&](const Row& row) {
+        stats.tables.push_back({std::string(row.Text(0)), Unsigned(row, 1)});
+        stats.file_bytes += Unsigned(row, 1);
+      });
+  stats.pages = stats.file_bytes / std::max<std::uint64_t>(stats.page_bytes, 1);
+  return stats;
+}
+
+std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas) {
+  const auto sum = [&](std::string_view bytes, std::string_view from) {
+    return static_cast<std::uint64_t>(connection.Integer(
+        Concat("SELECT coalesce(sum(", bytes, "), 0)::bigint FROM ", from, ".atlas = $1 AND until = 2147483647"),
+        {atlas}));
+  };
+  return {
+      {"features", sum("octet_length(points) + octet_length(columns)",
+                       "keyframe_features JOIN picture ON picture.atlas = keyframe_features.atlas AND picture.hash = "
+                       "picture WHERE keyframe_features")},
+      {"keyframes", sum("octet_length(details) + 12 * cardinality(connections)", "keyframe WHERE keyframe")},
+      {"points", sum("230", "map_point WHERE map_point")},
+      {"observations", sum("24 * cardinality(seen_by)", "map_point WHERE map_point")},
+      {"landmarks", sum("octet_length(features) + 144", "landmark WHERE landmark")}};
+}
+
+}  // namespace slamdb::postgresql

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slamdb/formats/postgresql/detail/connection.h"
+#include "slamdb/formats/rows/stored.h"
+#include "slamdb/model/map_query.h"
+
+// What a store tells of its atlases, without reading them.
+namespace slamdb::postgresql {
+
+std::vector<StoredAtlas> ListAtlases(Connection& connection);  // by name
+// The names of the atlases that match, ascending.
+std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& query);
+// Oldest first; empty name: everything.
+std::vector<HistoryEntry> ReadHistory(Connection& connection, const std::string& name);
+StoreStats ReadStatistics(Connection& connection);
+// How many bytes each kind of data of the newest revision takes.
+std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas);
+
+}  // namespace slamdb::postgresql

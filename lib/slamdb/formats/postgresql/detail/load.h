@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slamdb/formats/format.h"
+#include "slamdb/formats/postgresql/detail/connection.h"
+#include "slamdb/formats/postgresql/detail/names.h"
+#include "slamdb/model/atlas.h"
+
+namespace slamdb::postgresql {
+
+// Loads a revision, or what of it is selected, in the caller's transaction: each table comes as one COPY, rows are
+// compared with their hashes, features are unpacked on all threads while the server sends the next.
+// Throws Error (kDamaged) naming the first row that differs from its hash.
+Atlas LoadAtlas(Connection& connection, const Named& named, const ReadOptions& options);
+
+}  // namespace slamdb::postgresql

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slamdb/formats/postgresql/detail/connection.h"
+#include "slamdb/formats/rows/detail/revision_names.h"
+
+// Atlases, their revisions and tags by name.
+namespace slamdb::postgresql {
+
+using rows::Named;
+
+// Throws Error: kNotFound naming the atlases or revisions that there are.
+Named Find(Connection& connection, std::string_view text);
+std::vector<std::string> NamesOf(Connection& connection);  // ascending
+bool Has(Connection& connection, const std::string& name);
+
+RevisionName NameOf(Connection& connection, const Named& named);  // with its hash
+std::optional<RevisionName> CommonBase(Connection& connection, const Named& first, const Named& second);
+
+void SetTag(Connection& connection, const Named& named, const std::string& tag);
+void RemoveTag(Connection& connection, const Named& named, const std::string& tag);
+
+// Store::GiveUp, of all atlases or one; inside the caller's transaction.
+GiveUpReport GiveUp(Connection& connection, const std::string& atlas, const GiveUpOptions& options);
+
+}  // namespace slamdb::postgresql

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slamdb/formats/postgresql/detail/connection.h"
+#include "slamdb/formats/postgresql/detail/copy_in.h"
+#include "slamdb/formats/postgresql/detail/schema.h"
+#include "slamdb/formats/rows/detail/change_counter.h"
+#include "slamdb/formats/rows/detail/plan.h"
+#include "slamdb/formats/rows/stored.h"
+#include "slamdb/model/atlas.h"
+#include "slamdb/model/detail/row_hash.h"
+
+// Saving an atlas, in the caller's transaction, under the lock of its name. Steps:
+//   1. hash every row of the atlas (in memory, on all threads) - before the lock
+//   2. ask for the hashes of the rows of the newest revision, and match entities with them by id (rows/plan.h)
+//   3. end the rows that differ (`until`), all of a table in one statement, and COPY the new ones
+namespace slamdb::postgresql {
+
+using detail::AtlasHashes;
+
+// What the parts of a save share.
+struct SaveContext {
+  Connection& connection;
+  const SaveOptions& options;
+  rows::ChangeCounter changes;
+  MapChanges map;             // what changed in the map
+  std::int64_t atlas = 0;     // its row
+  std::int64_t revision = 0;  // that the save makes
+  bool is_new = false;        // the store has no atlas of that name
+  std::size_t entities = 0, entities_done = 0;
+
+  void Report(std::size_t done);  // progress; throws what the callback throws
+};
+
+// Saves everything under `name`. `hashes` is detail::HashesOf(atlas); `rewrite`: whatever hashes the rows have.
+SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
+                     const SaveOptions& options, bool rewrite);
+
+// ---- the lists (save_lists.cc)
+
+// A keyframe as the newest revision has it, beside its StoredRow.
+struct StoredFeatures {
+  std::int64_t hash = 0, source_hash = 0;
+  double timestamp = 0;  // NaN: none
+};
+
+// The rows of a map's lists, ascending.
+struct StoredLists {
+  std::vector<rows::StoredRow> keyframes, points, landmarks;
+  std::vector<StoredFeatures> features;  // of each keyframe
+};
+// Of each map of the atlas, by `maps`, their rows.
+std::vector<StoredLists> ReadStoredLists(SaveContext& context, const std::vector<std::int64_t>& maps);
+
+// Ends rows: `table` is one of VersionedTables().
+void EndRows(SaveContext& context, std::string_view table, const std::vector<std::int64_t>& rows);
+
+// A map to be saved.
+struct MapToSave {
+  std::int64_t row;
+  const Map& map;
+  const AtlasHashes::OfMap& hashes;
+  const StoredLists& stored;
+};
+// The plan of each list (rows/plan.h).
+struct ListPlans {
+  rows::ListPlan keyframes, points, landmarks;
+};
+// Saves the lists of all maps, one table after the other. Returns their plans.
+std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSave>& maps);
+
+// A row of few, by INSERT. `columns`: `map (row, atlas)`; `expressions`: SQL of further columns, with parameters behind
+// those of the values.
+void InsertRow(Connection& connection, std::string_view columns, std::span<const rows::Value> values);
+
+}  // namespace slamdb::postgresql

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slamdb/formats/postgresql/detail/connection.h"
+#include "slamdb/formats/postgresql/detail/encode.h"
+
+// The schema of the store in PostgreSQL: schema/postgresql/*.sql.
+namespace slamdb::postgresql {
+
+// Rows that the newest revision has: `until`.
+inline constexpr std::int64_t kNewest = 2147483647;
+
+// Which rows of the atlas a revision has, as SQL: `atlas = 7 AND since <= 3 AND until > 3`. `prefix`: `k.`, or empty.
+std::string InRevision(std::int64_t atlas, std::int64_t revision, std::string_view prefix = {});
+
+// A table that COPY fills.
+struct Table {
+  const char* target;  // `name (columns)`
+  std::vector<Type> types;
+};
+const Table& KeyframeTable();
+const Table& FeaturesTable();
+const Table& PictureTable();
+const Table& WordsTable();
+const Table& PointTable();
+const Table& LandmarkTable();
+
+// Tables of which rows belong to revisions, and the column by which their rows are known within an atlas.
+struct Versioned {
+  std::string_view table, key;
+};
+std::span<const Versioned> VersionedTables();
+
+// The version of store that this library reads and writes.
+int NewestVersion();
+// Of a database; 0: it has no store.
+int VersionOf(Connection& connection);
+// Throws Error unless the database has a store of this library's version.
+void CheckIsStore(Connection& connection);
+// Makes the store where the database has none. Others who do the same are waited for.
+void MakeStore(Connection& connection, int partitions = 1);
+
+}  // namespace slamdb::postgresql

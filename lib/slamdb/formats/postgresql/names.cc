@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/postgresql/detail/names.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/postgresql/detail/schema.h"
+#include "slamdb/formats/postgresql/detail/writer_lock.h"
+
+namespace slamdb::postgresql {
+namespace {
+
+using detail::Concat;
+
+std::optional<Named> FindNewest(Connection& connection, std::string_view name) {
+  const Result found = connection.Query("SELECT row, revision FROM atlas WHERE name = $1", {name}, "table atlas");
+  if (found.rows() == 0) return std::nullopt;
+  const std::int64_t newest = found[0].Integer(1);
+  return Named{found[0].Integer(0), std::string(name), newest, newest};
+}
+
+std::vector<std::int64_t> NumbersOf(Connection& connection, std::int64_t atlas) {
+  const Result found =
+      connection.Query("SELECT number FROM revision WHERE atlas = $1 ORDER BY number", {atlas}, "table revision");
+  std::vector<std::int64_t> numbers;
+  for (std::size_t i = 0; i < found.rows(); ++i) numbers.push_back(found[i].Integer(0));
+  return numbers;
+}
+
+std::vector<std::string> Texts(const Result& result) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < result.rows(); ++i) texts.emplace_back(result[i].Text(0));
+  return texts;
+}
+
+std::vector<std::string> TagsOf(Connection& connection, std::int64_t atlas) {
+  return Texts(
+      connection.Query("SELECT name FROM tag WHERE atlas = $1 ORDER BY name COLLATE \"C\"", {atlas}, "table tag"));
+}
+
+Error NotFound(Connection& connection, const Named& of, std::string_view which, std::string_view why = {}) {
+  return rows::NoSuchRevision(connection.path(), of, which, NumbersOf(connection, of.atlas),
+                              TagsOf(connection, of.atlas), why);
+}
+
+// What stands behind the @ of an atlas.
+std::int64_t NumberIn(Connection& connection, const Named& newest, std::string_view text) {
+  const rows::Which which = rows::ParseWhich(text, newest.newest, connection.path());
+  if (which.kind == rows::Which::Kind::kNumber) return which.number;
+  if (which.kind == rows::Which::Kind::kBy) {
+    const Result found = connection.Query(
+        "SELECT max(number) FROM revision JOIN history ON history.row = history WHERE revision.atlas = $1 AND "
+        "date_trunc('second', at) <= $2::text::timestamptz",
+        {newest.atlas, which.by}, "table revision");
+    if (found[0].IsNull(0)) throw NotFound(connection, newest, text, ": none that is left was saved by then");
+    return found[0].Integer(0);
+  }
+  const Result found =
+      connection.Query("SELECT number FROM tag WHERE atlas = $1 AND name = $2", {newest.atlas, text}, "table tag");
+  if (found.rows() == 0) throw NotFound(connection, newest, text);
+  return found[0].Integer(0);
+}
+
+// The numbers that stay, ascending.
+std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, const GiveUpOptions& options) {
+  const Result found = connection.Query(
+      Concat("SELECT number, ", TextOfTime("at"),
+             ", from_hash IS NOT NULL OR number IN (SELECT number FROM tag WHERE atlas = $1) OR EXISTS (SELECT 1 FROM "
+             "revision AS other WHERE other.from_atlas = $2 AND other.from_number = revision.number AND "
+             "other.from_hash = revision.hash) FROM revision JOIN history ON history.row = history WHERE "
+             "revision.atlas = $1 ORDER BY number"),
+      {atlas.atlas, atlas.name}, "table revision");
+  std::vector<rows::KeptRevision> all;
+  for (std::size_t i = 0; i < found.rows(); ++i)
+    all.push_back({found[i].Integer(0), std::string(found[i].Text(1)), found[i].Integer(2) != 0});
+  return rows::KeptOf(all, options);
+}
+
+// Deletes what only revisions have that go. Returns how many pictures went.
+std::uint64_t GiveUpAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
+  for (const Versioned& each : VersionedTables())
+    connection.Query(
+        Concat("DELETE FROM ", each.table,
+               " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM unnest($2::bigint[]) AS "
+               "kept (number) WHERE since <= kept.number AND kept.number < until)"),
+        {atlas, std::span(kept)}, Concat("table ", each.table));
+  connection.Query("DELETE FROM revision WHERE atlas = $1 AND number <> ALL ($2::bigint[])", {atlas, std::span(kept)},
+                   "table revision");
+  const Result pictures = connection.Query(
+      "DELETE FROM picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE "
+      "keyframe_features.atlas = $1 AND keyframe_features.picture = picture.hash)",
+      {atlas}, "table picture");
+  return static_cast<std::uint64_t>(pictures.changed());
+}
+
+}  // namespace
+
+Named Find(Connection& connection, std::string_view text) {
+  if (std::optional<Named> whole = FindNewest(connection, text)) return *whole;
+  const std::optional<rows::SplitName> split = rows::SplitAtRevision(text);
+  std::optional<Named> named = split ? FindNewest(connection, split->name) : std::nullopt;
+  if (!named) throw rows::NoSuchAtlas(connection.path(), text, NamesOf(connection));
+  named->number = NumberIn(connection, *named, split->which);
+  const std::vector<std::int64_t> numbers = NumbersOf(connection, named->atlas);
+  if (std::ranges::find(numbers, named->number) == numbers.end()) throw NotFound(connection, *named, split->which);
+  return *named;
+}
+
+std::vector<std::string> NamesOf(Connection& connection) {
+  return Texts(connection.Query("SELECT name FROM atlas ORDER BY name COLLATE \"C\"", {}, "table atlas"));
+}
+
+bool Has(Connection& connection, const std::string& name) {
+  return connection.Query("SELECT 1 FROM atlas WHERE name = $1", {name}, "table atlas").rows() > 0;
+}
+
+RevisionName NameOf(Connection& connection, const Named& named) {
+  const Result found = connection.Query("SELECT hash FROM revision WHERE atlas = $1 AND number = $2",
+                                        {named.atlas, named.number}, "table revision");
+  return {named.name, static_cast<std::uint64_t>(named.number),
+          static_cast<std::uint64_t>(found.rows() == 0 ? 0 : found[0].Integer(0))};
+}
+
+std::optional<RevisionName> CommonBase(Connection& connection, const Named& first, const Named& second) {
+  // Of the two, and of all that these were made of.
+  const Result found = connection.Query(
+      "WITH RECURSIVE family (name) AS (SELECT $1::text UNION SELECT $2::text UNION SELECT from_atlas FROM family JOIN "
+      "atlas USING (name) JOIN revision ON revision.atlas = atlas.row WHERE from_atlas IS NOT NULL) SELECT name, "
+      "number, "
+      "revision.hash, from_atlas, from_number, from_hash FROM family JOIN atlas USING (name) JOIN revision ON "
+      "revision.atlas = atlas.row ORDER BY name, number",
+      {first.name, second.name}, "table revision");
+  std::vector<rows::RevisionOf> all;
+  for (std::size_t i = 0; i < found.rows(); ++i) {
+    const Row row = found[i];
+    rows::RevisionOf& each = all.emplace_back();
+    each = {std::string(row.Text(0)), row.Integer(1), row.Integer(2), std::nullopt};
+    if (!row.IsNull(3))
+      each.from = RevisionName{std::string(row.Text(3)), static_cast<std::uint64_t>(row.Integer(4)),
+                               static_cast<std::uint64_t>(row.Integer(5))};
+  }
+  return rows::CommonBase(all, first, second);
+}
+
+void SetTag(Connection& connection, const Named& named, const std::string& tag) {
+  const Result made = connection.Query("INSERT INTO tag VALUES ($1, $2, $3) ON CONFLICT DO NOTHING",
+                                       {named.atlas, tag, named.number}, "table tag");
+  if (made.changed() > 0) return;
+  const Result found =
+      connection.Query("SELECT number FROM tag WHERE atlas = $1 AND name = $2", {named.atlas, tag}, "table tag");
+  if (found.rows() > 0 && found[0].Integer(0) != named.number)
+    throw rows::TagIsTaken(connection.path(), named.name, tag, found[0].Integer(0));
+}
+
+void RemoveTag(Connection& connection, const Named& named, const std::string& tag) {
+  const Result removed =
+      connection.Query("DELETE FROM tag WHERE atlas = $1 AND name = $2", {named.atlas, tag}, "table tag");
+  if (removed.changed() == 0)
+    throw rows::NoSuchTag(connection.path(), named.name, tag, TagsOf(connection, named.atlas));
+}
+
+GiveUpReport GiveUp(Connection& connection, const std::string& atlas, const GiveUpOptions& options) {
+  GiveUpReport report;
+  const std::vector<std::string> names = atlas.empty() ? NamesOf(connection) : std::vector<std::string>{atlas};
+  for (const std::string& name : names) {
+    LockAtlas(connection, name, {});
+    const Named named = Find(connection, name);
+    const std::vector<std::int64_t> kept = KeptOf(connection, named, options);
+    std::vector<std::int64_t> gone;
+    std::ranges::set_difference(NumbersOf(connection, named.atlas), kept, std::back_inserter(gone));
+    report.atlases.push_back({name, {gone.begin(), gone.end()}, kept.size()});
+    if (!gone.empty() && !kept.empty()) report.pictures += GiveUpAllBut(connection, named.atlas, kept);
+  }
+  return report;
+}
+
+}  // namespace slamdb::postgresql

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/postgresql/detail/postgresql_store.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/run_files.h"
+#include "slamdb/formats/postgresql/detail/catalog.h"
+#include "slamdb/formats/postgresql/detail/load.h"
+#include "slamdb/formats/postgresql/detail/names.h"
+#include "slamdb/formats/postgresql/detail/save.h"
+#include "slamdb/formats/postgresql/detail/schema.h"
+#include "slamdb/formats/postgresql/detail/writer_lock.h"
+#include "slamdb/formats/rows/detail/place_table.h"
+#include "slamdb/formats/rows/detail/provenance.h"
+
+namespace slamdb::postgresql {
+namespace {
+
+using detail::Concat;
+
+StoredPlaces FindPlaces(Connection& connection, std::span<const std::span<const Descriptor>> pictures,
+                        const PlaceOptions& options) {
+  std::map<std::int64_t, rows::PlaceMap> maps;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> keys;  // atlas and row of a map to its key in `maps`
+  connection.CopyOut(
+      "SELECT atlas, map.row, name, id FROM map JOIN atlas ON atlas.row = map.atlas WHERE until = 2147483647 ORDER BY "
+      "atlas, map.row",
+      [&](const Row& row) {
+        const auto key = static_cast<std::int64_t>(maps.size());
+        keys[{row.Integer(0), row.Integer(1)}] = key;
+        maps[key] = {std::string(row.Text(2)), MapId(static_cast<std::uint64_t>(row.Integer(3)))};
+      },
+      "table map");
+  std::vector<rows::PlaceKeyframe> keyframes;
+  connection.CopyOut(
+      "SELECT keyframe.atlas, map, id, words FROM keyframe LEFT JOIN keyframe_words ON keyframe_words.atlas = "
+      "keyframe.atlas AND keyframe_words.keyframe = row WHERE until = 2147483647 ORDER BY keyframe.atlas, row",
+      [&](const Row& row) {
+        const auto key = keys.find({row.Integer(0), row.Integer(1)});
+        if (key == keys.end()) return;
+        rows::PlaceKeyframe& keyframe = keyframes.emplace_back(
+            rows::PlaceKeyframe{.map = key->second, .id = static_cast<std::uint64_t>(row.Integer(2))});
+        const Bytes words = row.Blob(3);
+        if (words.size() != sizeof(rows::PlaceWords)) return;
+        std::memcpy(keyframe.words.data(), words.data(), words.size());
+        keyframe.is_unknown = false;
+      },
+      "table keyframe_words");
+  return rows::FindPlaces(maps, std::move(keyframes), pictures, options);
+}
+
+class PostgresqlStore : public detail::StoreBackend {
+ public:
+  PostgresqlStore(const std::string& uri, const StoreOptions& options, bool writable)
+      : connection_(uri, {.progress = options.progress}), options_(options), writable_(writable) {
+    if (writable)
+      MakeStore(connection_);
+    else
+      CheckIsStore(connection_);
+  }
+
+  const std::string& path() const override { return connection_.path(); }
+  std::vector<std::string> Names() override {
+    return Reading([&] { return NamesOf(connection_); });
+  }
+  std::vector<StoredAtlas> List() override {
+    return Reading([&] { return ListAtlases(connection_); });
+  }
+  std::vector<std::string> Find(const MapQuery& query) override {
+    return Reading([&] { return FindAtlases(connection_, query); });
+  }
+  std::vector<HistoryEntry> Log(const std::string& name) override {
+    return Reading([&] { return ReadHistory(connection_, name); });
+  }
+  StoredPlaces PlacesLike(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) override {
+    return Reading([&] { return FindPlaces(connection_, pictures, options); });
+  }
+  bool Has(const std::string& name) override {
+    return Reading([&] { return postgresql::Has(connection_, name); });
+  }
+
+  void CheckWritable() const override {
+    if (!writable_) throw Error(ErrorKind::kUsage, path(), "", "opened for reading");
+  }
+  SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) override;
+  Atlas Load(const std::string& name, const ReadOptions& options) override {
+    detail::EnterInput(path(), name);
+    return Reading([&] {
+      const Named named = postgresql::Find(connection_, name);
+      if (options.part_sizes != nullptr && named.is_newest())
+        *options.part_sizes = PartSizesOf(connection_, named.atlas);
+      return LoadAtlas(connection_, named, options);
+    });
+  }
+  Named FindNamed(const std::string& name) override {
+    return Reading([&] { return postgresql::Find(connection_, name); });
+  }
+  RevisionName NameOf(const Named& named) override {
+    return Reading([&] { return postgresql::NameOf(connection_, named); });
+  }
+  std::optional<RevisionName> CommonBase(const std::string& first, const std::string& second) override {
+    return Reading([&] {
+      return postgresql::CommonBase(connection_, postgresql::Find(connection_, first),
+                                    postgresql::Find(connection_, second));
+    });
+  }
+  void Tag(const std::string& name, const std::string& tag) override {
+    Writing([&] {
+      const Named named = postgresql::Find(connection_, name);
+      if (const std::string other = named.name + "@" + tag; postgresql::Has(connection_, other))
+        throw Error(ErrorKind::kAlreadyExists, path(), "",
+                    Concat("holds an atlas named '", other, "', which would hide that tag: take another"));
+      SetTag(connection_, named, tag);
+    });
+  }
+  void Untag(const std::string& name, const std::string& tag) override {
+    Writing([&] { RemoveTag(connection_, postgresql::Find(connection_, name), tag); });
+  }
+  GiveUpReport GiveUp(const GiveUpOptions& options, const std::string& name) override {
+    Transaction transaction(connection_, Transaction::Kind::kWrite);
+    GiveUpReport report = postgresql::GiveUp(connection_, name, options);
+    if (!options.dry_run) transaction.Commit();
+    return report;
+  }
+
+  void Remove(const std::string& name) override;
+  StoreStats Stats() override {
+    return Reading([&] { return ReadStatistics(connection_); });
+  }
+  void Vacuum() override {
+    throw Error(ErrorKind::kNotPossible, path(), "",
+                "a server gives space back by itself (autovacuum); VACUUM FULL in psql does at once");
+  }
+  void Backup(const std::string&, bool) override {
+    throw Error(ErrorKind::kNotPossible, path(), "",
+                "a server is backed up by its own tools: pg_dump --schema=slamdb, or pg_basebackup");
+  }
+
+ private:
+  template <class Work>
+  auto Reading(const Work& work) {
+    const Transaction transaction(connection_, Transaction::Kind::kRead);
+    return work();
+  }
+  template <class Work>
+  void Writing(const Work& work) {
+    Transaction transaction(connection_, Transaction::Kind::kWrite);
+    work();
+    transaction.Commit();
+  }
+  // Whether every row holds what its hash says.
+  bool IsWhole(const std::string& name, int threads) {
+    try {
+      ReadOptions how;
+      how.threads = threads;
+      LoadAtlas(connection_, postgresql::Find(connection_, name), how);
+      return true;
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kDamaged) throw;
+      return false;
+    }
+  }
+
+  Connection connection_;
+  StoreOptions options_;
+  bool writable_;
+};
+
+SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) {
+  rows::CheckName(path(), name);
+  detail::EnterOutput(path(), name);
+  const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
+  Transaction transaction(connection_, Transaction::Kind::kWrite);
+  LockAtlas(connection_, name, {options_.lock_timeout, options_.progress});
+  rows::CheckIsNoRevision(path(), name, [&](const std::string& each) { return postgresql::Has(connection_, each); });
+  const Result found = connection_.Query("SELECT revision, hash FROM atlas WHERE name = $1", {name}, "table atlas");
+  const bool is_there = found.rows() > 0;
+  if (options.keep_equal && is_there && found[0].Integer(1) == hashes.Combined())
+    return {.hash = static_cast<std::uint64_t>(hashes.Combined()), .unchanged = true};
+  if (!options.overwrite && is_there)
+    throw Error(ErrorKind::kAlreadyExists, path(), "",
+                "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
+  if (options.onto) {
+    const std::uint64_t newest = static_cast<std::uint64_t>(postgresql::Find(connection_, name).newest);
+    if (newest != *options.onto)
+      throw Error(ErrorKind::kLocked, path(), "",
+                  Concat("'", name, "' has revision ", newest, " by now, and this was made of ", *options.onto,
+                         ": nothing was saved; try again"));
+  }
+  const bool was_edited = options.verify && is_there && !IsWhole(name, options.threads);
+  if (!options_.sync) connection_.Execute("SET LOCAL synchronous_commit = off");
+  SaveReport report = SaveAtlas(connection_, name, atlas, hashes, options, was_edited);
+  if (options.before_commit) options.before_commit();
+  transaction.Commit();
+  return report;
+}
+
+void PostgresqlStore::Remove(const std::string& name) {
+  Writing([&] {
+    LockAtlas(connection_, name, {options_.lock_timeout, options_.progress});
+    const std::int64_t atlas = postgresql::Find(connection_, name).atlas;
+    std::int64_t deleted = 0;
+    for (const Versioned& each : VersionedTables())
+      deleted += connection_.Query(Concat("DELETE FROM ", each.table, " WHERE atlas = $1"), {atlas}).changed();
+    for (const char* table : {"keyframe_words", "picture"})
+      deleted += connection_.Query(Concat("DELETE FROM ", table, " WHERE atlas = $1"), {atlas}).changed();
+    connection_.Query(
+        "INSERT INTO history (at, tool, action, atlas, provenance, maps, keyframes, points, observations, hash, "
+        "inserted, "
+        "updated, deleted, unchanged, who) SELECT now(), $2, 'remove', name, '', maps, keyframes, points, "
+        "observations, "
+        "hash, 0, 0, $3, 0, $4 FROM atlas WHERE row = $1",
+        {atlas, rows::ToolName(), deleted, rows::Who()}, "table history");
+    connection_.Query("DELETE FROM atlas WHERE row = $1", {atlas}, "table atlas");  // and its revisions and tags
+  });
+}
+
+}  // namespace
+
+std::unique_ptr<detail::StoreBackend> OpenStore(const std::string& uri, double lock_timeout) {
+  return std::make_unique<PostgresqlStore>(uri, StoreOptions{.lock_timeout = lock_timeout}, false);
+}
+
+std::unique_ptr<detail::StoreBackend> OpenStoreForWriting(const std::string& uri, const StoreOptions& options) {
+  return std::make_unique<PostgresqlStore>(uri, options, true);
+}
+
+bool IsYetToBeMade(const std::string& uri, double) {
+  Connection connection(uri);
+  return VersionOf(connection) == 0;
+}
+
+}  // namespace slamdb::postgresql

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/postgresql/detail/schema.h"
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/postgresql/detail/migrations_sql.h"
+
+namespace slamdb::postgresql {
+namespace {
+
+using detail::Concat;
+
+constexpr std::int64_t kMakingLock = 0x534C4442;  // `SLDB`: held while the store is made
+
+constexpr Versioned kVersioned[] = {{"camera", "position"}, {"map", "row"},       {"repeated_entry", "map"},
+                                    {"keyframe", "row"},    {"map_point", "row"}, {"keyframe_features", "keyframe"},
+                                    {"landmark", "row"}};
+constexpr std::string_view kUnversioned[] = {"picture", "keyframe_words"};
+
+std::vector<Type> Types(std::initializer_list<std::pair<Type, int>> runs) {
+  std::vector<Type> types;
+  for (const auto& [type, count] : runs) types.insert(types.end(), static_cast<std::size_t>(count), type);
+  return types;
+}
+
+void MakePartitions(Connection& connection, std::string_view table, int partitions) {
+  for (int i = 0; i < partitions; ++i)
+    connection.Execute(Concat("CREATE TABLE ", table, "_", i, " PARTITION OF ", table, " FOR VALUES WITH (MODULUS ",
+                              partitions, ", REMAINDER ", i, ")"));
+}
+
+}  // namespace
+
+std::string InRevision(std::int64_t atlas, std::int64_t revision, std::string_view prefix) {
+  return Concat(prefix, "atlas = ", atlas, " AND ", prefix, "since <= ", revision, " AND ", prefix, "until > ",
+                revision);
+}
+
+const Table& KeyframeTable() {
+  static const Table table{
+      "keyframe (row, map, atlas, id, unique_id, hash, links_hash, frame_id, timestamp, qw, qx, qy, qz, tx, ty, tz, "
+      "vx, "
+      "vy, vz, bias_ax, bias_ay, bias_az, bias_wx, bias_wy, bias_wz, camera, right_camera, parent, previous, next, "
+      "origin_map, features, left_features, right_features, first_connection, not_erase, to_be_erased, bad, "
+      "imu_initialized, has_velocity, details, exact, children, connections, weights, loop_edges, merge_edges, "
+      "carried, "
+      "since)",
+      Types({{Type::kInt8, 8},
+             {Type::kFloat8, 1},
+             {Type::kFloat4, 16},
+             {Type::kInt8, 6},
+             {Type::kInt4, 3},
+             {Type::kInt2, 6},
+             {Type::kBytea, 2},
+             {Type::kInt8Array, 2},
+             {Type::kInt4Array, 1},
+             {Type::kInt8Array, 2},
+             {Type::kBytea, 1},
+             {Type::kInt4, 1}})};
+  return table;
+}
+
+const Table& FeaturesTable() {
+  static const Table table{"keyframe_features (atlas, keyframe, hash, source_hash, points, picture, since)",
+                           Types({{Type::kInt8, 4}, {Type::kBytea, 1}, {Type::kUuid, 1}, {Type::kInt4, 1}})};
+  return table;
+}
+
+const Table& PictureTable() {
+  static const Table table{"picture (atlas, hash, columns)",
+                           Types({{Type::kInt8, 1}, {Type::kUuid, 1}, {Type::kBytea, 1}})};
+  return table;
+}
+
+const Table& WordsTable() {
+  static const Table table{"keyframe_words (atlas, keyframe, hash, words)",
+                           Types({{Type::kInt8, 3}, {Type::kBytea, 1}})};
+  return table;
+}
+
+const Table& PointTable() {
+  static const Table table{
+      "map_point (row, map, id, unique_id, hash, observations_hash, x, y, z, nx, ny, nz, min_distance, max_distance, "
+      "reference, replaced_by, first_keyframe, first_frame, observation_count, bad, descriptor, descriptor_form, "
+      "exact, "
+      "origin_map, visible_count, found_count, seen_by, left_keypoints, right_keypoints, carried, atlas, since)",
+      Types({{Type::kInt8, 6},
+             {Type::kFloat4, 8},
+             {Type::kInt8, 4},
+             {Type::kInt4, 1},
+             {Type::kInt2, 1},
+             {Type::kBytea, 1},
+             {Type::kInt2, 1},
+             {Type::kBytea, 1},
+             {Type::kInt8, 3},
+             {Type::kInt8Array, 1},
+             {Type::kInt4Array, 2},
+             {Type::kBytea, 1},
+             {Type::kInt8, 1},
+             {Type::kInt4, 1}})};
+  return table;
+}
+
+const Table& LandmarkTable() {
+  static const Table table{
+      "landmark (row, map, id, unique_id, hash, x, y, z, nx, ny, nz, cov_11, cov_22, cov_33, cov_12, cov_13, cov_23, "
+      "last_seen, seen_count, features, exact, atlas, since)",
+      Types({{Type::kInt8, 5},
+             {Type::kFloat8, 12},
+             {Type::kInt8, 2},
+             {Type::kBytea, 2},
+             {Type::kInt8, 1},
+             {Type::kInt4, 1}})};
+  return table;
+}
+
+std::span<const Versioned> VersionedTables() { return kVersioned; }
+
+int NewestVersion() { return Migrations().back().number; }
+
+int VersionOf(Connection& connection) {
+  if (connection.Integer("SELECT count(*) FROM pg_class WHERE oid = to_regclass('slamdb.store')") == 0) return 0;
+  return static_cast<int>(connection.Integer("SELECT version FROM slamdb.store"));
+}
+
+void CheckIsStore(Connection& connection) {
+  const int version = VersionOf(connection);
+  if (version == NewestVersion()) return;
+  if (version == 0)
+    throw Error(ErrorKind::kNotFound, connection.path(), "",
+                "the database holds no store yet: save an atlas there, which makes one");
+  throw Error(
+      ErrorKind::kUnsupported, connection.path(), "",
+      Concat("store version ", version, ", this program knows ", NewestVersion(),
+             version > NewestVersion() ? ": use the slamdb that wrote it, or a newer one" : ": migrate it first"));
+}
+
+void MakeStore(Connection& connection, int partitions) {
+  if (VersionOf(connection) != 0) return CheckIsStore(connection);
+  Transaction transaction(connection, Transaction::Kind::kWrite);
+  connection.Query("SELECT pg_advisory_xact_lock($1)", {kMakingLock});
+  if (VersionOf(connection) != 0) return CheckIsStore(connection);  // somebody was faster
+  connection.Execute("CREATE SCHEMA IF NOT EXISTS slamdb");
+  for (const Migration& migration : Migrations()) connection.Execute(std::string(migration.sql));
+  for (const Versioned& each : VersionedTables()) MakePartitions(connection, each.table, partitions);
+  for (const std::string_view table : kUnversioned) MakePartitions(connection, table, partitions);
+  connection.Query("INSERT INTO store (version, partitions) VALUES ($1, $2)", {NewestVersion(), partitions});
+  transaction.Commit();
+}
+
+}  // namespace slamdb::postgresql

@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What every store does, whatever keeps it: a SQLite file, a database of a PostgreSQL server.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/rows/options.h"
+#include "slamdb/model/digest.h"
+#include "slamdb/synthetic/synthesize.h"
+#include "tests/formats/store/atlases.h"
+#include "tests/support/postgresql_server.h"
+
+namespace slamdb::store_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+enum class Keeper { kSqlite, kPostgresql };
+
+std::string NameOf(Keeper keeper) { return keeper == Keeper::kSqlite ? "Sqlite" : "Postgresql"; }
+
+class StoreContract : public ::testing::TestWithParam<Keeper> {
+ protected:
+  void SetUp() override {
+    if (GetParam() == Keeper::kPostgresql && !PostgresqlServer::IsInstalled())
+      GTEST_SKIP() << "postgresql is not installed";
+    path_ = NewPath();
+  }
+  // Of a store that is yet to be made.
+  std::string NewPath() {
+    if (GetParam() == Keeper::kSqlite) return folder_ / ("s" + std::to_string(++paths_) + ".db");
+    PostgresqlServer& server = PostgresqlServer::Shared();
+    return server.Uri(server.MakeDatabase());
+  }
+  Store Writer(double lock_timeout = 5) const {
+    return Store::OpenForWriting(path_, {.sync = false, .lock_timeout = lock_timeout});
+  }
+  SaveReport Save(const Atlas& atlas, const std::string& name = "a", const SaveOptions& options = {}) const {
+    return Writer().Save(name, atlas, options);
+  }
+  Atlas Load(const std::string& name = "a", const ReadOptions& options = {}) const {
+    return Store::Open(path_).Load(name, options);
+  }
+  void ExpectHolds(const std::string& name, const Atlas& atlas) const {
+    EXPECT_EQ(FirstDifference(Load(name), atlas), "") << name;
+  }
+
+  TemporaryFolder folder_;
+  std::string path_;
+  int paths_ = 0;
+};
+
+INSTANTIATE_TEST_SUITE_P(All, StoreContract, ::testing::Values(Keeper::kSqlite, Keeper::kPostgresql),
+                         [](const auto& each) { return NameOf(each.param); });
+
+TEST_P(StoreContract, KeepsEverythingThatIsHardToKeep) {
+  const Atlas odd = OddAtlas();
+  EXPECT_TRUE(Store::IsYetToBeMade(path_));
+  const SaveReport report = Save(odd);
+  EXPECT_FALSE(Store::IsYetToBeMade(path_));
+  EXPECT_EQ(report.hash, HashOf(odd));
+  EXPECT_EQ(report.revision, 1U);
+  EXPECT_FALSE(report.replaced);
+  ExpectHolds("a", odd);
+  Save(Atlas{}, "empty");
+  ExpectHolds("empty", Atlas{});
+  EXPECT_THAT(Store::Open(path_).Names(), ElementsAre("a", "empty"));
+}
+
+TEST_P(StoreContract, KeepsRealAtlases) {
+  std::vector<std::string> files{SLAMDB_FIXTURES "/session_small_a/session_small_a.osa",
+                                 SLAMDB_FIXTURES "/mono_small_twice/mono_small_twice.osa"};
+  if (const char* folder = std::getenv("SLAMDB_ATLASES"))
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (entry.path().extension() == ".osa") files.push_back(entry.path());
+  for (const std::string& file : files) {
+    const Atlas atlas = ReadOsa(file);
+    Save(atlas, std::filesystem::path(file).stem());
+    ExpectHolds(std::filesystem::path(file).stem(), atlas);
+  }
+}
+
+TEST_P(StoreContract, RevisionsAreReadAgain) {
+  Atlas atlas = SoundAtlas();
+  std::vector<Atlas> saved;
+  std::mt19937 random(7);
+  for (int i = 0; i < 8; ++i) {
+    Map& map = atlas.maps[static_cast<std::size_t>(i) % atlas.maps.size()];
+    switch (i % 4) {
+      case 0: map.points[random() % map.points.size()].position.x() += 1; break;
+      case 1: map.points.erase(map.points.begin() + static_cast<std::ptrdiff_t>(random() % map.points.size())); break;
+      case 2: std::swap(map.points.front(), map.points.back()); break;
+      case 3: map.keyframes.pop_back(); break;
+    }
+    EXPECT_EQ(Save(atlas).revision, static_cast<std::uint64_t>(i) + 1);
+    saved.push_back(atlas);
+  }
+  std::swap(atlas.maps[0], atlas.maps[1]);
+  Save(atlas);
+  saved.push_back(atlas);
+  atlas.maps.pop_back();
+  Save(atlas);
+  saved.push_back(atlas);
+  for (std::size_t i = 0; i < saved.size(); ++i) ExpectHolds("a@" + std::to_string(i + 1), saved[i]);
+  EXPECT_THAT(ErrorOf([&] { Load("a@11"); }), HasSubstr("it has 1 to 10"));
+  EXPECT_THAT(ErrorOf([&] { Load("b"); }), HasSubstr("no atlas named 'b'; it holds a"));
+  EXPECT_EQ(FirstDifference(Load("a@-1"), saved[8]), "");
+  EXPECT_EQ(FirstDifference(Load("a@{2999-12-31}"), saved[9]), "");
+  EXPECT_THAT(ErrorOf([&] { Load("a@{1999-12-31}"); }), HasSubstr("none that is left was saved by then"));
+}
+
+TEST_P(StoreContract, WhatIsThereIsNotSavedAgain) {
+  const Atlas atlas = SoundAtlas();
+  Save(atlas);
+  const SaveReport again = Save(atlas);
+  EXPECT_TRUE(again.unchanged);
+  EXPECT_EQ(again.revision, 1U);
+  EXPECT_TRUE(Save(atlas, "a", {.overwrite = false, .keep_equal = true}).unchanged);
+  EXPECT_THAT(ErrorOf([&] { Save(atlas, "a", {.overwrite = false}); }), HasSubstr("already"));
+  EXPECT_THAT(ErrorOf([&] { Save(atlas, "a@2"); }), HasSubstr("stands for a revision"));
+  EXPECT_THAT(ErrorOf([&] { Save(atlas, "a#b"); }), HasSubstr("the name of an atlas"));
+  EXPECT_THAT(ErrorOf([&] { Save(OddAtlas(), "a", {.onto = 7}); }), HasSubstr("has revision 1 by now"));
+  ExpectHolds("a", atlas);
+}
+
+TEST_P(StoreContract, TellsWhatASaveChanged) {
+  Atlas atlas = SoundAtlas();
+  Save(atlas);
+  Map& map = atlas.maps[0];
+  map.points[0].position.z() += 1;
+  map.keyframes[0].pose.translation.x() += 1;
+  const std::size_t gone = map.points.back().observations.size();
+  map.points.pop_back();
+  MapPoint added = map.points[1];
+  added.id = MapPointId(987654);
+  map.points.push_back(added);
+  const SaveReport report = Save(atlas, "a", {.provenance = "a test"});
+  EXPECT_EQ(report.map.points_moved, 1U);
+  EXPECT_EQ(report.map.points_removed, 1U);
+  EXPECT_EQ(report.map.points_added, 1U);
+  EXPECT_EQ(report.map.keyframes_moved, 1U);
+  EXPECT_EQ(report.map.keyframes_added + report.map.keyframes_removed, 0U);
+  EXPECT_EQ(report.map.observations_added, added.observations.size());
+  EXPECT_EQ(report.map.observations_removed, gone);
+  const std::vector<HistoryEntry> log = Store::Open(path_).Log("a");
+  ASSERT_EQ(log.size(), 2U);
+  EXPECT_EQ(log[1].provenance, "a test");
+  EXPECT_EQ(log[1].changes, report.map);
+  EXPECT_EQ(log[1].revision, 2U);
+  EXPECT_TRUE(log[0].readable);
+  EXPECT_EQ(log[1].hash, HashOf(atlas));
+  EXPECT_EQ(log[1].at.size(), std::string("2026-01-31T12:00:00Z").size());
+}
+
+TEST_P(StoreContract, TagsBranchesAndRestores) {
+  const Atlas first = SoundAtlas();
+  Atlas second = first;
+  second.maps[0].points[0].position.x() += 1;
+  Save(first);
+  Save(second);
+  Store store = Writer();
+  store.Tag("a@1", "release");
+  ExpectHolds("a@release", first);
+  EXPECT_THAT(ErrorOf([&] { store.Tag("a@2", "release"); }), HasSubstr("already"));
+  store.Branch("a@release", "robot7");
+  ExpectHolds("robot7", first);
+  Atlas other = first;
+  other.maps[0].points[1].position.x() += 2;
+  store.Save("robot7", other);
+  EXPECT_EQ(store.CommonBase("a", "robot7"), (RevisionName{"a", 1, HashOf(first)}));
+  EXPECT_EQ(store.Restore("a@1").revision, 3U);
+  ExpectHolds("a", first);
+  store.Untag("a", "release");
+  EXPECT_THAT(ErrorOf([&] { store.Untag("a", "release"); }), HasSubstr("no tag 'release'"));
+}
+
+TEST_P(StoreContract, GivesRevisionsUp) {
+  Atlas atlas = SoundAtlas();
+  std::vector<Atlas> saved;
+  for (int i = 0; i < 6; ++i) {
+    atlas.maps[0].points[static_cast<std::size_t>(i)].position.x() += 1;
+    atlas.maps[0].keyframes[0].features.keypoints[static_cast<std::size_t>(i)].x += 1;
+    Save(atlas);
+    saved.push_back(atlas);
+  }
+  Store store = Writer();
+  store.Tag("a@2", "kept");
+  EXPECT_THAT(store.GiveUp({.keep = 2, .dry_run = true}).atlases[0].revisions, ElementsAre(1, 3, 4));
+  ExpectHolds("a@1", saved[0]);
+  const GiveUpReport report = store.GiveUp({.keep = 2});
+  ASSERT_EQ(report.atlases.size(), 1U);
+  EXPECT_THAT(report.atlases[0].revisions, ElementsAre(1, 3, 4));
+  EXPECT_EQ(report.pictures, 3U);
+  ExpectHolds("a@2", saved[1]);
+  ExpectHolds("a@5", saved[4]);
+  ExpectHolds("a", saved[5]);
+  EXPECT_THAT(ErrorOf([&] { Load("a@3"); }), HasSubstr("it has 2, 5, 6"));
+}
+
+TEST_P(StoreContract, RemovesAnAtlasWithAllItsRevisions) {
+  Atlas atlas = SoundAtlas();
+  Save(atlas);
+  atlas.maps[0].points.pop_back();
+  Save(atlas);
+  Save(OddAtlas(), "b");
+  Writer().Remove("a");
+  EXPECT_THAT(Store::Open(path_).Names(), ElementsAre("b"));
+  ExpectHolds("b", OddAtlas());
+  EXPECT_EQ(Store::Open(path_).Log("a").back().action, "remove");
+  EXPECT_THAT(ErrorOf([&] { Writer().Remove("a"); }), HasSubstr("no atlas named 'a'"));
+  EXPECT_EQ(Save(atlas).revision, 1U);
+  ExpectHolds("a", atlas);
+}
+
+TEST_P(StoreContract, FindsAtlasesAsTheModelDoes) {
+  const std::vector<std::pair<std::string, Atlas>> atlases{
+      {"sound", SoundAtlas()},
+      {"odd", OddAtlas()},
+      {"real", ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa")},
+      {"empty", Atlas{}}};
+  for (const auto& [name, atlas] : atlases) Save(atlas, name);
+  Store store = Store::Open(path_);
+  std::vector<MapQuery> queries(1);
+  for (const auto& [name, atlas] : atlases)
+    for (const Map& map : atlas.maps) {
+      if (map.keyframes.empty() || map.points.empty()) continue;
+      MapQuery query;
+      query.times = MapQuery::Times{map.keyframes[0].timestamp - 0.5, map.keyframes[0].timestamp + 0.5};
+      queries.push_back(query);
+      query = {};
+      query.keyframes = MapQuery::Ids{map.keyframes.back().id.value(), map.keyframes.back().id.value()};
+      queries.push_back(query);
+      query.keyframes = MapQuery::Ids{std::uint64_t{1} << 63, ~std::uint64_t{0}};
+      queries.push_back(query);
+      query = {};
+      query.near = MapQuery::Ball{map.points[0].position.cast<double>(), 0.1};
+      queries.push_back(query);
+      query.near->radius = 0;
+      queries.push_back(query);
+      query.times = MapQuery::Times{0, 1e12};
+      queries.push_back(query);
+    }
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    std::vector<std::string> expected;
+    for (const auto& [name, atlas] : atlases)
+      if (Matches(atlas, queries[i])) expected.push_back(name);
+    std::ranges::sort(expected);
+    EXPECT_EQ(store.Find(queries[i]), expected) << "query " << i;
+  }
+}
+
+TEST_P(StoreContract, ListsAsTheAtlasIs) {
+  const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
+  Save(atlas);
+  const std::vector<StoredAtlas> list = Store::Open(path_).List();
+  ASSERT_EQ(list.size(), 1U);
+  const AtlasSummary summary = Summarize(atlas);
+  EXPECT_EQ(list[0].name, "a");
+  EXPECT_EQ(list[0].problem, "");
+  EXPECT_EQ(list[0].hash, HashOf(atlas));
+  EXPECT_EQ(list[0].keyframes, summary.keyframes);
+  EXPECT_EQ(list[0].points, summary.points);
+  EXPECT_EQ(list[0].observations, summary.observations);
+  EXPECT_EQ(list[0].sensors, summary.sensors);
+  EXPECT_EQ(list[0].trajectory_length, summary.trajectory_length);
+  EXPECT_EQ(list[0].begin_time, summary.begin_time);
+  EXPECT_GT(list[0].bytes, 100'000U);
+  EXPECT_GT(Store::Open(path_).Stats().file_bytes, list[0].bytes / 2);
+}
+
+TEST_P(StoreContract, LoadsParts) {
+  const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_b/session_small_b.osa");
+  Save(atlas);
+  const Map& map = atlas.maps[0];
+  ReadOptions options;
+  options.selection.map = map.id;
+  options.selection.first_keyframe = map.keyframes[2].id.value();
+  options.selection.last_keyframe = map.keyframes[2].id.value() + 3;
+  options.selection.box = Eigen::AlignedBox3f(Eigen::Vector3f::Constant(-1), Eigen::Vector3f::Constant(1));
+  const Atlas part = Load("a", options);
+  ASSERT_EQ(part.maps.size(), 1U);
+  std::vector<KeyFrameId> expected;
+  for (const KeyFrame& keyframe : map.keyframes)
+    if (options.selection.Has(keyframe)) expected.push_back(keyframe.id);
+  std::vector<KeyFrameId> found;
+  for (const KeyFrame& keyframe : part.maps[0].keyframes) {
+    found.push_back(keyframe.id);
+    EXPECT_FALSE(keyframe.features.descriptors.empty());
+  }
+  EXPECT_EQ(found, expected);
+  EXPECT_GT(found.size(), 0U);
+  EXPECT_EQ(part.maps[0].points.size(),
+            static_cast<std::size_t>(std::ranges::count_if(
+                map.points, [&](const MapPoint& point) { return options.selection.Has(point); })));
+  ReadOptions no_features;
+  no_features.features = FeatureColumns::kNone;
+  EXPECT_EQ(Load("a", no_features).maps[0].keyframes.size(), map.keyframes.size());
+}
+
+TEST_P(StoreContract, KnowsPlacesByPictures) {
+  const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
+  Save(atlas, "here");
+  Save(ReadOsa(SLAMDB_FIXTURES "/session_small_b/session_small_b.osa"), "there");
+  const KeyFrame& keyframe = atlas.maps[0].keyframes[3];
+  const std::vector<Descriptor> picture(keyframe.features.descriptors.begin(), keyframe.features.descriptors.end());
+  const std::span<const Descriptor> pictures[] = {picture};
+  const StoredPlaces places = Store::Open(path_).PlacesLike(pictures);
+  ASSERT_FALSE(places.by_picture[0].empty());
+  EXPECT_EQ(places.by_picture[0][0].atlas, "here");
+  EXPECT_THAT(places.unknown, IsEmpty());
+  EXPECT_NEAR(static_cast<double>(places.by_picture[0][0].keyframe.value()),
+              static_cast<double>(keyframe.id.value()), 8);
+}
+
+TEST_P(StoreContract, OfTwoWhoSaveOneAtlasOneWaits) {
+  const Atlas atlas = SoundAtlas();
+  Save(atlas);
+  Atlas other = atlas;
+  other.maps[0].points[0].position.x() += 1;
+  SaveOptions options;
+  options.before_commit = [&] {
+    EXPECT_THAT(ErrorOf([&] { Writer(0.05).Save("a", OddAtlas()); }), HasSubstr("locked by slamdb"));
+    ExpectHolds("a", atlas);  // readers see what was there
+  };
+  Save(other, "a", options);
+  ExpectHolds("a", other);
+  options.before_commit = [] { throw std::runtime_error("no"); };
+  EXPECT_THROW(Save(OddAtlas(), "a", options), std::runtime_error);
+  ExpectHolds("a", other);
+  EXPECT_THROW(Save(OddAtlas(), "new", options), std::runtime_error);
+  EXPECT_THAT(Store::Open(path_).Names(), ElementsAre("a"));
+}
+
+TEST_P(StoreContract, NoUpdateIsLostOfMany) {
+  Save(SoundAtlas(), "shared");
+  constexpr int kWriters = 4, kSaves = 5;
+  std::atomic<int> revisions{0};
+  std::vector<std::thread> writers;
+  for (int w = 0; w < kWriters; ++w)
+    writers.emplace_back([&, w] {
+      Store store = Writer(60);
+      for (int s = 0; s < kSaves; ++s) {
+        Atlas atlas = SoundAtlas();
+        atlas.maps[0].points[0].position = {static_cast<float>(w), static_cast<float>(s), 1};
+        store.Save("own" + std::to_string(w), atlas);
+        if (!store.Save("shared", atlas).unchanged) ++revisions;
+      }
+    });
+  for (std::thread& writer : writers) writer.join();
+  Store store = Store::Open(path_);
+  EXPECT_EQ(store.FindRevision("shared").number, static_cast<std::uint64_t>(revisions) + 1);
+  for (int w = 0; w < kWriters; ++w) {
+    const Atlas atlas = store.Load("own" + std::to_string(w));
+    EXPECT_EQ(atlas.maps[0].points[0].position, Eigen::Vector3f(static_cast<float>(w), kSaves - 1, 1));
+  }
+  for (std::uint64_t number = 1; number <= store.FindRevision("shared").number; ++number)
+    EXPECT_NO_THROW(store.Load("shared@" + std::to_string(number)));
+}
+
+TEST_P(StoreContract, AnAtlasThatMovesKeepsItsHashAndItsBytes) {
+  if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "postgresql is not installed";
+  const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
+  const std::uint64_t hash = Save(atlas).hash;
+  PostgresqlServer& server = PostgresqlServer::Shared();
+  const std::string other =
+      GetParam() == Keeper::kPostgresql ? folder_ / "other.db" : server.Uri(server.MakeDatabase());
+  EXPECT_EQ(Store::OpenForWriting(other).Save("a", Load()).hash, hash);
+  EXPECT_EQ(FirstDifference(Store::Open(other).Load("a"), atlas), "");
+}
+
+TEST_P(StoreContract, ErrorsOfSpans) {
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), ::testing::Not(IsEmpty()));
+  Save(SoundAtlas());
+  Store reader = Store::Open(path_);
+  EXPECT_THAT(ErrorOf([&] { reader.Save("b", Atlas{}); }), HasSubstr("opened for reading"));
+  EXPECT_THAT(ErrorOf([&] { reader.Tag("a", "t"); }), HasSubstr("opened for reading"));
+  EXPECT_THAT(ErrorOf([&] { Writer().Restore("a"); }), HasSubstr("is the newest"));
+  EXPECT_THAT(ErrorOf([&] { Writer().Tag("a", "3"); }), HasSubstr("no name for a revision"));
+  EXPECT_EQ(reader.OnlyName(), "a");
+}
+
+}  // namespace
+}  // namespace slamdb::store_test
