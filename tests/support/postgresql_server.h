@@ -16,7 +16,7 @@ namespace slamdb {
 // Its superuser is kUser, who needs no password through the socket, and kPassword through 127.0.0.1.
 class PostgresqlServer {
  public:
-  static constexpr std::string_view kUser = "slamdb";
+  static constexpr std::string_view kUser = "keeper";
   static constexpr std::string_view kPassword = "S3cret/@:%";
 
   // Tests do without it, by name: if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "postgresql is not installed";

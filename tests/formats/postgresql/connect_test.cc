@@ -103,19 +103,19 @@ TEST_F(ConnectTest, ThroughSocketAndLoopback) {
   const std::string uri = server_.TcpUri(name);
   Connection connection(uri);
   EXPECT_EQ(connection.Integer("SELECT inet_server_port()"), server_.port());
-  EXPECT_EQ(connection.path(), "postgresql://slamdb@127.0.0.1:" + std::to_string(server_.port()) + "/" + name);
+  EXPECT_EQ(connection.path(), "postgresql://keeper@127.0.0.1:" + std::to_string(server_.port()) + "/" + name);
 }
 
 TEST_F(ConnectTest, PasswordsAsParametersWorkToo) {
   const std::string plain = server_.TcpUri("postgres"), encoded = plain.substr(20, plain.find('@') - 20);
-  const std::string uri = "postgresql://slamdb@127.0.0.1:" + std::to_string(server_.port()) + "/postgres";
-  ASSERT_EQ(plain.substr(0, 20), "postgresql://slamdb:");
+  const std::string uri = "postgresql://keeper@127.0.0.1:" + std::to_string(server_.port()) + "/postgres";
+  ASSERT_EQ(plain.substr(0, 20), "postgresql://keeper:");
   EXPECT_EQ(Connection(uri + "?password=" + encoded).path(), uri);
 }
 
 TEST_F(ConnectTest, AWrongPasswordIsNotLetIn) {
   for (const std::string& uri : {server_.TcpUri("postgres", "wrong"), server_.TcpUri("postgres", "S3cret"),
-                                 "postgresql://slamdb@127.0.0.1:" + std::to_string(server_.port()) + "/postgres"}) {
+                                 "postgresql://keeper@127.0.0.1:" + std::to_string(server_.port()) + "/postgres"}) {
     const Error error = Refusal(uri);
     EXPECT_EQ(error.kind(), ErrorKind::kPermission) << error.what();
     EXPECT_THAT(error.problem(), HasSubstr("check user and password: .pgpass, PGPASSWORD or a service file"));

@@ -121,7 +121,7 @@ TEST_F(CopyTest, WhatAVisitThrowsComesThroughAndTheConnectionGoesOn) {
     const auto visit = [&](const Row&) {
       if (++rows == last) throw std::runtime_error("enough");
     };
-    EXPECT_THROW(connection().CopyOut("SELECT * FROM generate_series(1, 1000000000)", visit), std::runtime_error);
+    EXPECT_THROW(connection().CopyOut("SELECT generate_series(1, 1000000000)", visit), std::runtime_error);
     EXPECT_EQ(rows, last);
     EXPECT_EQ(connection().Integer("SELECT 7"), 7);
   }
@@ -200,7 +200,7 @@ TEST_F(CopyTest, AServerThatIsKilledInTheMiddleSaysToTryAgain) {
   EXPECT_EQ(reader.Integer("SELECT count(*) FROM t"), 0);
   int rows = 0;
   is_lost(ErrorOf([&] {
-    reader.CopyOut("SELECT * FROM generate_series(1, 1000000000)", [&](const Row&) {
+    reader.CopyOut("SELECT generate_series(1, 1000000000)", [&](const Row&) {
       if (++rows == 1000) server.Kill();
     });
   }));
