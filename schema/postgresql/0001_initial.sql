@@ -12,7 +12,7 @@
 -- Entities are not bound by foreign keys, because damaged atlases are to be kept as well: v_dangling shows what dangles.
 
 CREATE TABLE store (
-  only boolean PRIMARY KEY DEFAULT true CHECK (only),
+  row integer PRIMARY KEY DEFAULT 1 CHECK (row = 1),
   version integer NOT NULL,                   -- of this schema
   partitions integer NOT NULL
 );
@@ -67,8 +67,8 @@ CREATE TABLE revision (
   history bigint NOT NULL REFERENCES history (row),
   hash bigint NOT NULL,                       -- of everything in it
   from_atlas text, from_number integer, from_hash bigint,  -- what it was made of besides the one before it; NULL: nothing
-  vocabulary_name text NOT NULL,              -- file name of the vocabulary that bags of words refer to
-  vocabulary_checksum text NOT NULL,          -- MD5 of that file
+  vocabulary_name bytea NOT NULL,             -- file name of the vocabulary that bags of words refer to, as recorded
+  vocabulary_checksum bytea NOT NULL,         -- MD5 of that file, likewise
   next_map bigint NOT NULL,                   -- the ids that ORB-SLAM3 hands out next
   next_frame bigint NOT NULL,
   next_keyframe bigint NOT NULL,
@@ -79,7 +79,7 @@ CREATE TABLE revision (
   archive_boost_version bigint NOT NULL,
   archive_long_bytes integer NOT NULL,
   archive_size_bytes integer NOT NULL,
-  layout text,                                -- of a fork's file: what `carried` of its entities means
+  layout bytea,                               -- of a fork's file: what `carried` of its entities means
   carried bytea,                              -- what the fork's file has of the atlas
   PRIMARY KEY (atlas, number)
 );
@@ -361,7 +361,7 @@ SELECT atlas.name AS atlas, revision.number AS revision, history.at, who, tool, 
        history.points, history.observations, from_atlas, from_number,
        (SELECT string_agg(tag.name, ' ' ORDER BY tag.name) FROM tag
         WHERE tag.atlas = revision.atlas AND tag.number = revision.number) AS tags,
-       lpad(to_hex(revision.hash), 16, '0') AS hash
+       lpad(to_hex(revision.hash), 16, '0') AS hash, encode(vocabulary_name, 'escape') AS vocabulary_name
 FROM revision JOIN atlas ON atlas.row = revision.atlas JOIN history ON history.row = revision.history;
 
 -- What points and keyframes name that is not there.

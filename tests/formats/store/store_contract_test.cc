@@ -26,6 +26,11 @@ using ::testing::IsEmpty;
 
 enum class Keeper { kSqlite, kPostgresql };
 
+Atlas ReadOsa(const std::string& path) {
+  Notices notices;
+  return ReadOrbslam3(path, {}, notices);
+}
+
 std::string NameOf(Keeper keeper) { return keeper == Keeper::kSqlite ? "Sqlite" : "Postgresql"; }
 
 class StoreContract : public ::testing::TestWithParam<Keeper> {
@@ -137,7 +142,7 @@ TEST_P(StoreContract, TellsWhatASaveChanged) {
   Save(atlas);
   Map& map = atlas.maps[0];
   map.points[0].position.z() += 1;
-  map.keyframes[0].pose.translation.x() += 1;
+  map.keyframes[0].camera_from_world.translation.x() += 1;
   const std::size_t gone = map.points.back().observations.size();
   map.points.pop_back();
   MapPoint added = map.points[1];

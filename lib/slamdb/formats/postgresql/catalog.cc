@@ -2,6 +2,8 @@
 #include "slamdb/formats/postgresql/detail/catalog.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/postgresql/detail/names.h"
@@ -53,22 +55,29 @@ class Conditions {
         "keyframe.until = 2147483647 AND bad = 0 AND (id # (-9223372036854775808)::bigint) BETWEEN ",
         first, " AND ", last, ")");
   }
-  // The box of the map first, by its index; its points where that is met.
+  // The box of the map first, by its index; its points where that is met. Of points the box first, too: squares of what
+  // is far away, or of next to nothing, are errors in PostgreSQL, not infinite or 0.
   void AddBall(const MapQuery::Ball& ball) {
-    const std::string radius = Put(ball.radius);
-    std::string squares;
+    constexpr double kLargest = 1e150, kInfinity = std::numeric_limits<double>::infinity();
+    const double radius = std::min(ball.radius, kLargest);
+    std::string in_box = "true", squares = "0";
     for (int axis = 0; axis < 3; ++axis) {
-      const std::string name(1, static_cast<char>('x' + axis)), center = Put(ball.center[axis]);
-      sql_ += Concat(" AND map.", name, " && span(", center, " - ", radius, ", ", center, " + ", radius, ", '[]')");
-      squares +=
-          Concat(axis == 0 ? "" : " + ", "(", name, "::float8 - ", center, ") * (", name, "::float8 - ", center, ")");
+      const double center = ball.center[axis];
+      const std::string name(1, static_cast<char>('x' + axis)), at = Put(center);
+      const std::string least = Put(std::nextafter(center - radius, -kInfinity)),
+                        most = Put(std::nextafter(center + radius, kInfinity));
+      sql_ += Concat(" AND map.", name, " && span(", least, ", ", most, ", '[]')");
+      in_box += Concat(" AND ", name, " BETWEEN ", least, " AND ", most);
+      squares += Concat(" + CASE WHEN abs(", name, " - ", at, ") < 1e-150 THEN 0 ELSE (", name, " - ", at, ") * (",
+                        name, " - ", at, ") END");
     }
+    const std::string square = Put(radius * radius);
     const auto has = [&](std::string_view table, std::string_view good) {
-      return Concat("EXISTS (SELECT 1 FROM ", table, " WHERE ", table, ".atlas = map.atlas AND ", table,
+      return Concat("EXISTS (SELECT 1 FROM (SELECT x::float8, y::float8, z::float8 FROM ", table, " WHERE ", table,
+                    ".atlas = map.atlas AND ", table,
                     ".row BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 AND ", table, ".until = 2147483647",
-                    good, " AND (SELECT ", squares, ") <= ", radius, " * ", radius, ")");
+                    good, ") AS place WHERE CASE WHEN ", in_box, " THEN ", squares, " <= ", square, " ELSE false END)");
     };
-    // `squares` names columns of the inner table, which hide those of the map.
     sql_ += Concat(" AND (", has("map_point", " AND bad = 0"), " OR ", has("landmark", ""), ")");
   }
 

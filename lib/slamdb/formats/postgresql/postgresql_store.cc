@@ -53,6 +53,18 @@ StoredPlaces FindPlaces(Connection& connection, std::span<const std::span<const 
 }
 
 class PostgresqlStore : public detail::StoreBackend {
+  template <class Work>
+  auto Reading(const Work& work) {
+    const Transaction transaction(connection_, Transaction::Kind::kRead);
+    return work();
+  }
+  template <class Work>
+  void Writing(const Work& work) {
+    Transaction transaction(connection_, Transaction::Kind::kWrite);
+    work();
+    transaction.Commit();
+  }
+
  public:
   PostgresqlStore(const std::string& uri, const StoreOptions& options, bool writable)
       : connection_(uri, {.progress = options.progress}), options_(options), writable_(writable) {
@@ -140,17 +152,6 @@ class PostgresqlStore : public detail::StoreBackend {
   }
 
  private:
-  template <class Work>
-  auto Reading(const Work& work) {
-    const Transaction transaction(connection_, Transaction::Kind::kRead);
-    return work();
-  }
-  template <class Work>
-  void Writing(const Work& work) {
-    Transaction transaction(connection_, Transaction::Kind::kWrite);
-    work();
-    transaction.Commit();
-  }
   // Whether every row holds what its hash says.
   bool IsWhole(const std::string& name, int threads) {
     try {

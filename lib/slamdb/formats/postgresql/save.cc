@@ -371,7 +371,11 @@ void AddRevision(SaveContext& context, const Atlas& atlas, std::int64_t hash, st
   row.push_back(from ? Value(std::string_view(from->atlas)) : Value());
   row.push_back(from ? Value(rows::ToColumn(from->number)) : Value());
   row.push_back(from ? Value(rows::ToColumn(from->hash)) : Value());
-  std::ranges::copy(rows::HeaderRow(atlas), std::back_inserter(row));
+  // Texts of files are any bytes, which PostgreSQL's are not.
+  for (const Value& value : rows::HeaderRow(atlas)) {
+    const auto* text = std::get_if<std::string_view>(&value);
+    row.push_back(text == nullptr ? value : Value(std::as_bytes(std::span(*text))));
+  }
   CarriedColumn carried;
   row.push_back(carried.Of(atlas.carried));
   InsertRow(context.connection,
