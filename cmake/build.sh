@@ -4,10 +4,10 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 settings=()
-groups=(command pictures optimization)
+groups=(command pictures optimization server)
 if [ "${1:-}" = --tests ]; then
   settings=(-DSLAMDB_BUILD_TESTS=ON -DSLAMDB_BUILD_EXAMPLES=ON -DSLAMDB_BUILD_PYTHON=ON)
-  groups+=(libraries python tests)
+  groups+=(libraries python tests postgresql)
   shift
 fi
 preset=${1:-release}

@@ -10,6 +10,8 @@ declare -A packages=(
   [pictures]="esbuild libcairo2-dev fonts-dejavu-core libopencv-features2d-dev libopencv-imgproc-dev libpng-dev libturbojpeg0-dev"
   # Bundle adjustment, likewise.
   [optimization]="libceres-dev"
+  # Stores on servers, likewise.
+  [server]="libpq-dev"
   # The live map, and archives of Boost.
   [libraries]="libopencv-core-dev libboost-serialization-dev"
   # The module for Python, and its tests.
@@ -21,6 +23,8 @@ declare -A packages=(
   # What cpack makes packages with.
   [packaging]="file dpkg-dev"
   [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 protobuf-compiler python3-msgpack mandoc file dpkg-dev"
+  # A server for tests, which skip what needs one where it is not to be had.
+  [postgresql]="postgresql"
   # What tells which libraries a static Cairo is made of.
   [static]="pkg-config"
   # What .ci/run adds: another compiler and what looks at sources and at running programs, a browser, clean systems to install into.
@@ -31,7 +35,7 @@ declare -A packages=(
   # Other programs that read what slamdb writes; tests/formats/*/run.sh skip what is not there.
   [readers]="colmap pcl-tools python3-numpy"
 )
-optional=" ${packages[pictures]} ${packages[optimization]} ${packages[libraries]} ${packages[python]} ${packages[examples]} "  # a distribution that lacks one builds without it
+optional=" ${packages[pictures]} ${packages[optimization]} ${packages[server]} ${packages[postgresql]} ${packages[libraries]} ${packages[python]} ${packages[examples]} "  # a distribution that lacks one builds without it
 
 only_tell=no
 [ "${1:-}" != --missing ] || { only_tell=yes; shift; }

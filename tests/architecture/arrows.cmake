@@ -28,7 +28,7 @@ function(library_of include out)
   foreach(pair "nlohmann/=nlohmann_json::nlohmann_json" "sqlite3.h=SQLite::SQLite3" "zlib.h=ZLIB::ZLIB" "opencv2/=OpenCVCore::core" "opencv2/features2d=opencv_features2d" "opencv2/img=opencv_imgproc"
           "png.h=png" "turbojpeg.h=turbojpeg"
           "Eigen/=Eigen3::Eigen" "md5.h=md" "sha2.h=md" "xxhash.h=md" "boost/=Boost::serialization" "CLI/=CLI11::CLI11" "ceres/=Ceres::ceres"
-          "cairo=cairo")
+          "cairo=cairo" "libpq-fe.h=PostgreSQL::PostgreSQL")
     string(REGEX MATCH "^(.*)=(.*)$" matched ${pair})
     string(FIND ${include} "${CMAKE_MATCH_1}" at)
     if(at EQUAL 0)

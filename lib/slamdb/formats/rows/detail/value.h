@@ -10,7 +10,7 @@
 
 namespace slamdb::rows {
 
-// What a column of a row holds: NULL, an integer, a real number, a text or a blob. Texts and blobs are not owned.
+// What a column of a row holds: NULL, an integer, a real number, a text or a blob.
 using Value = std::variant<std::monostate, std::int64_t, double, std::string_view, Bytes>;
 
 inline Value ValueOrNull(std::optional<std::int64_t> value) { return value ? Value(*value) : Value(); }

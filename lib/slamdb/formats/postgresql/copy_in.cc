@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/postgresql/detail/copy_in.h"
+
+#include <libpq-fe.h>
+
+#include <algorithm>
+
+#include "slamdb/formats/postgresql/detail/handles.h"
+
+namespace slamdb::postgresql {
+namespace {
+
+std::string PlaceOf(const std::string& target) { return "table " + target.substr(0, target.find(' ')); }
+
+}  // namespace
+
+CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types)
+    : connection_(connection), place_(PlaceOf(target)), encoder_({connection.path(), place_}, std::move(types)) {
+  const std::string sql = "COPY " + target + " FROM STDIN (FORMAT binary)";
+  const ResultHandle result(PQexec(connection.handle(), sql.c_str()));
+  if (PQresultStatus(result.get()) != PGRES_COPY_IN) throw connection.Failure(result.get(), place_);
+  is_open_ = true;
+}
+
+CopyIn::~CopyIn() {
+  if (!is_open_) return;
+  PQputCopyEnd(connection_.handle(), "not finished");
+  Drain(connection_.handle());
+}
+
+// A server that refuses a row says so only when the copy is ended.
+void CopyIn::ThrowFailure() {
+  is_open_ = false;
+  PQputCopyEnd(connection_.handle(), "cannot be sent");
+  const ResultHandle result(PQgetResult(connection_.handle()));
+  const ServerError error = connection_.Failure(result.get(), place_);
+  Drain(connection_.handle());
+  throw error;
+}
+
+void CopyIn::Send() {
+  constexpr std::size_t kMessage = std::size_t{8} << 20;  // rows may be as large as servers take no message to be
+  std::string& bytes = encoder_.bytes();
+  for (std::size_t at = 0; at < bytes.size(); at += kMessage) {
+    const std::size_t size = std::min(kMessage, bytes.size() - at);
+    if (PQputCopyData(connection_.handle(), &bytes[at], static_cast<int>(size)) != 1) ThrowFailure();
+  }
+  bytes.clear();
+}
+
+std::int64_t CopyIn::Finish() {
+  encoder_.AppendTrailer();
+  Send();
+  is_open_ = false;
+  const bool is_sent = PQputCopyEnd(connection_.handle(), nullptr) == 1;
+  const ResultHandle result(PQgetResult(connection_.handle()));
+  if (!is_sent || PQresultStatus(result.get()) != PGRES_COMMAND_OK) {
+    const ServerError error = connection_.Failure(result.get(), place_);
+    Drain(connection_.handle());
+    throw error;
+  }
+  Drain(connection_.handle());
+  return ChangedRows(result.get());
+}
+
+}  // namespace slamdb::postgresql

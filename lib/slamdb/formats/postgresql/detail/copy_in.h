@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "slamdb/formats/postgresql/detail/connection.h"
+#include "slamdb/formats/postgresql/detail/encode.h"
+
+namespace slamdb::postgresql {
+
+// Inserts rows into a table, the quickest way there is (COPY ... FROM STDIN, binary). Nothing else can be done on the
+// connection before it is finished. A destructor without Finish() takes all of it back, and the transaction with it.
+//
+//   CopyIn copy(connection, "link (atlas, ids)", {Type::kInt8, Type::kInt8Array});
+//   copy.Begin(); copy.Put(atlas); copy.Put(ids); copy.End();
+//   copy.Finish();
+class CopyIn {
+ public:
+  // `target` is `table (column, ...)`; `types` those of the columns.
+  CopyIn(Connection& connection, const std::string& target, std::vector<Type> types);
+  ~CopyIn();
+  CopyIn(const CopyIn&) = delete;
+  CopyIn& operator=(const CopyIn&) = delete;
+
+  // A row, column by column; what does not go with its column throws Error, see RowEncoder.
+  void Begin() { encoder_.Begin(); }
+  void Put(const Value& value) { encoder_.Put(value); }
+  void PutNull() { encoder_.PutNull(); }
+  void PutReal32(float value) { encoder_.PutReal32(value); }
+  void Put(std::span<const std::int64_t> values) { encoder_.Put(values); }
+  void Put(std::span<const std::int32_t> values) { encoder_.Put(values); }
+  void End() {
+    encoder_.End();
+    SendIfMuch();
+  }
+  // All columns of a row at once.
+  void Add(std::span<const Value> row) {
+    encoder_.Add(row);
+    SendIfMuch();
+  }
+
+  // To be called after the last row. Gives how many the server has taken.
+  std::int64_t Finish();
+
+ private:
+  static constexpr std::size_t kBuffered = std::size_t{1} << 20;
+  void SendIfMuch() {
+    if (encoder_.bytes().size() >= kBuffered) Send();
+  }
+  void Send();
+  [[noreturn]] void ThrowFailure();
+
+  Connection& connection_;
+  std::string place_;
+  RowEncoder encoder_;
+  bool is_open_ = false;
+};
+
+}  // namespace slamdb::postgresql
