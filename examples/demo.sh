@@ -7,7 +7,7 @@ preset=${1:-release}
 command=build/$preset/slamdb
 
 echo "slamdb, a map database for visual SLAM. This"
-missing=$(cmake/packages.sh --missing command pictures optimization)
+missing=$(cmake/packages.sh --missing command pictures optimization server)
 [ -z "$missing" ] || echo "  - installs what is missing: $missing"
 if [ -x "$command" ]; then
   echo "  - brings $command up to date"

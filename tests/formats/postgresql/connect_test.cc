@@ -6,6 +6,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdint>
 #include <stdexcept>
 
 #include "slamdb/formats/postgresql/detail/connection.h"
@@ -27,15 +29,15 @@ Error Refusal(const std::string& uri, const ConnectionOptions& options = {}) {
   return error;
 }
 
-// Takes connections, and says nothing.
+// Says nothing: takes connections, or as many alone as `queue` has room for, and no packet after that.
 class SilentServer {
  public:
-  SilentServer() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  explicit SilentServer(int queue = 8) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof(address);
-    if (::bind(socket_, reinterpret_cast<sockaddr*>(&address), size) != 0 || ::listen(socket_, 8) != 0 ||
+    if (::bind(socket_, reinterpret_cast<sockaddr*>(&address), size) != 0 || ::listen(socket_, queue) != 0 ||
         ::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) != 0)
       throw std::runtime_error("no port is free");
     port_ = ntohs(address.sin_port);
@@ -139,6 +141,25 @@ TEST_F(ConnectTest, TheFirstServerThatAnswersIsTaken) {
   std::string several = uri;
   several.replace(uri.find("127.0.0.1:"), 10 + port.size(), "127.0.0.1:1,127.0.0.1:" + port);
   EXPECT_EQ(Connection(several).Integer("SELECT inet_server_port()"), server_.port());
+}
+
+TEST_F(ConnectTest, AServerThatNothingIsHeardOfIsPassedOver) {
+  const SilentServer silent(0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(silent.port()));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::array<int, 3> full{};
+  for (int& one : full) {
+    one = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    ::connect(one, reinterpret_cast<sockaddr*>(&address), sizeof(address));
+  }
+  const std::string port = std::to_string(server_.port());
+  std::string several = server_.TcpUri("postgres");
+  several.replace(several.find("127.0.0.1:"), 10 + port.size(),
+                  "127.0.0.1:" + std::to_string(silent.port()) + ",127.0.0.1:" + port);
+  EXPECT_EQ(Connection(several, {.timeout = 0.3, .progress = {}}).Integer("SELECT inet_server_port()"), server_.port());
+  for (const int one : full) ::close(one);
 }
 
 TEST_F(ConnectTest, NoticesOfTheServerAreNotPrinted) {

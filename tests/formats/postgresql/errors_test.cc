@@ -48,8 +48,8 @@ TEST(ServerError, KindsAndRemediesAreThoseOfTheState) {
 }
 
 TEST(ServerError, MessagesCannotSteerATerminal) {
-  const std::string problem = ErrorOfState("p", "", "XX000", "first\n\tsecond \x1b[31m\xff\n").problem();
-  EXPECT_EQ(problem, "first;  second \\e[31m\\xff");
+  const std::string problem = ErrorOfState("p", "", "XX000", "\nfirst\n\tsecond \x1b[31m\xff\n").problem();
+  EXPECT_EQ(problem, "first; second \\e[31m\\xff");
 }
 
 }  // namespace

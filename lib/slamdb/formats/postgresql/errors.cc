@@ -64,12 +64,16 @@ const Meaning& MeaningOf(std::string_view state) {
   return *std::ranges::find_if(kMeanings, [&](const Meaning& meaning) { return state.starts_with(meaning.state); });
 }
 
-// One line, without the blanks and line ends at its end.
+// One line: what libpq has on several, the later ones indented.
 std::string OneLine(std::string_view message) {
-  const std::size_t last = message.find_last_not_of(" \n\r\t");
   std::string line;
-  for (const char letter : message.substr(0, last == std::string_view::npos ? 0 : last + 1))
-    letter == '\n' ? void(line += "; ") : void(line += letter == '\t' ? ' ' : letter);
+  while (!message.empty()) {
+    const std::string_view part = message.substr(0, message.find('\n'));
+    message.remove_prefix(std::min(part.size() + 1, message.size()));
+    const std::size_t first = part.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) continue;
+    line += detail::Concat(line.empty() ? "" : "; ", part.substr(first));
+  }
   return detail::Visible(line);
 }
 

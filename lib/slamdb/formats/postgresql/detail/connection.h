@@ -74,7 +74,7 @@ class Connection {
   // Calls `visit(const Row&)` for each row of `sql`, `SELECT ...`, as they come: quicker than a Result, and of any
   // size. The row is valid during the call. What visit throws cancels the statement and comes through.
   template <class Visit>
-  void CopyOut(const std::string& sql, const Visit& visit, std::string place = {});
+  void CopyOut(const std::string& sql, Visit&& visit, std::string place = {});
 
   // The error of a result, or of the connection when that is null.
   ServerError Failure(const pg_result* result, const std::string& place) const;
@@ -107,7 +107,7 @@ class CopyReader {
 };
 
 template <class Visit>
-void Connection::CopyOut(const std::string& sql, const Visit& visit, std::string place) {
+void Connection::CopyOut(const std::string& sql, Visit&& visit, std::string place) {
   CopyReader reader(*this, sql, std::move(place));
   while (reader.Next()) visit(reader.row());
 }
