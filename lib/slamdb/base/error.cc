@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "slamdb/base/detail/errno_kind.h"
+#include "slamdb/base/detail/server.h"
 
 namespace slamdb {
 namespace {
@@ -86,11 +87,12 @@ std::string_view ToString(ErrorKind kind) {
 }
 
 Error::Error(ErrorKind kind, std::string path, std::string place, std::string problem)
-    : std::runtime_error(Sentence(path, place, problem)),
-      kind_(kind),
-      path_(std::move(path)),
-      place_(std::move(place)),
-      problem_(std::move(problem)) {}
+    : Error(kind, {.path = detail::WithoutPasswords(std::move(path)),
+                   .place = detail::WithoutPasswords(std::move(place)),
+                   .problem = detail::WithoutPasswords(std::move(problem))}) {}
+
+Error::Error(ErrorKind kind, Parts parts)
+    : std::runtime_error(Sentence(parts.path, parts.place, parts.problem)), kind_(kind), parts_(std::move(parts)) {}
 
 Error SystemError(const std::string& path, const std::string& problem) {
   const int code = errno;

@@ -30,6 +30,8 @@ SLAMDB_EXPORT std::string_view ToString(ErrorKind kind);
 // The one exception type of the library.
 // what() reads `<path>: <place>: <problem>`, with empty parts left out.
 //
+// No part shows the password of a server, whoever made the error.
+//
 // Immutable, and so safe to share between threads.
 class SLAMDB_EXPORT Error : public std::runtime_error {
  public:
@@ -38,15 +40,20 @@ class SLAMDB_EXPORT Error : public std::runtime_error {
 
   ErrorKind kind() const { return kind_; }
   // The file that was read or written.
-  const std::string& path() const { return path_; }
+  const std::string& path() const { return parts_.path; }
   // Where in it: `byte 48213, map 0, kf 77, descriptors`, or `table map_point, row 12`.
-  const std::string& place() const { return place_; }
+  const std::string& place() const { return parts_.place; }
   // What is wrong, what was expected and found, and the likely cause or the remedy.
-  const std::string& problem() const { return problem_; }
+  const std::string& problem() const { return parts_.problem; }
 
  private:
+  struct Parts {
+    std::string path, place, problem;
+  };
+  Error(ErrorKind kind, Parts parts);
+
   ErrorKind kind_;
-  std::string path_, place_, problem_;
+  Parts parts_;
 };
 
 // An error with the text of errno behind the problem: `cannot open: No such file or directory`.

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "slamdb/export.h"
+
 namespace slamdb {
 
 // What a reader or writer has to say about work that succeeded.
@@ -26,14 +28,14 @@ struct WrittenCounts {
   std::uint64_t keyframes = 0, points = 0;  // keyframes: or poses
 };
 
-// Collects notices in the order they come.
+// Collects notices in the order they come. None shows the password of a server.
 //
 // Not thread-safe.
-class Notices {
+class SLAMDB_EXPORT Notices {
  public:
-  void Note(std::string text) { items_.push_back({Notice::Kind::kNote, std::move(text)}); }
-  void Warn(std::string text) { items_.push_back({Notice::Kind::kWarning, std::move(text)}); }
-  void Lose(std::string text) { items_.push_back({Notice::Kind::kLoss, std::move(text)}); }
+  void Note(std::string text) { Add(Notice::Kind::kNote, std::move(text)); }
+  void Warn(std::string text) { Add(Notice::Kind::kWarning, std::move(text)); }
+  void Lose(std::string text) { Add(Notice::Kind::kLoss, std::move(text)); }
 
   // All of those, behind the ones that are there.
   void Add(const Notices& others) { items_.insert(items_.end(), others.items_.begin(), others.items_.end()); }
@@ -56,6 +58,8 @@ class Notices {
   }
 
  private:
+  void Add(Notice::Kind kind, std::string text);
+
   std::vector<Notice> items_;
   std::string written_;
   std::optional<WrittenCounts> counts_;
