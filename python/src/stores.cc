@@ -146,11 +146,9 @@ py::list NamesIn(const StoreFile& file) {
 void DefineLooking(py::class_<StoreFile>& store) {
   store.def("names", &NamesIn)
       .def("load", &LoadFrom)
-      .def("is_made",
-           [](const StoreFile& file) {
-             return !WithoutGil([&] { return Store::IsYetToBeMade(file.path, file.wait); });
-           })
-      .def("shown", [](const StoreFile& file) { return TextOf(Location(file.path, "").ToString()); })
+      .def(
+          "is_made",
+          [](const StoreFile& file) { return !WithoutGil([&] { return Store::IsYetToBeMade(file.path, file.wait); }); })
       .def("log",
            [](const StoreFile& file, const std::string& name) {
              const auto entries = WithoutGil([&] { return file.Reader().Log(name); });
@@ -216,6 +214,7 @@ void DefineKeeping(py::class_<StoreFile>& store) {
 }  // namespace
 
 void DefineStore(py::module_& module) {
+  module.def("without_password", [](const std::string& path) { return TextOf(detail::WithoutPassword(path)); });
   py::class_<StoreFile> store(module, "StoreFile");
   store.def(py::init([](const std::string& path, double wait, bool sync) {
     if (const std::string name = Location(path).name; !name.empty())

@@ -87,12 +87,11 @@ std::string_view ToString(ErrorKind kind) {
 }
 
 Error::Error(ErrorKind kind, std::string path, std::string place, std::string problem)
-    : Error(kind, {.path = detail::WithoutPasswords(std::move(path)),
-                   .place = detail::WithoutPasswords(std::move(place)),
-                   .problem = detail::WithoutPasswords(std::move(problem))}) {}
-
-Error::Error(ErrorKind kind, Parts parts)
-    : std::runtime_error(Sentence(parts.path, parts.place, parts.problem)), kind_(kind), parts_(std::move(parts)) {}
+    : std::runtime_error(detail::WithoutPasswords(Sentence(path, place, problem))),
+      kind_(kind),
+      path_(detail::WithoutPasswords(std::move(path))),
+      place_(detail::WithoutPasswords(std::move(place))),
+      problem_(detail::WithoutPasswords(std::move(problem))) {}
 
 Error SystemError(const std::string& path, const std::string& problem) {
   const int code = errno;

@@ -30,9 +30,7 @@ SLAMDB_EXPORT std::string_view ToString(ErrorKind kind);
 // The one exception type of the library.
 // what() reads `<path>: <place>: <problem>`, with empty parts left out.
 //
-// No part shows the password of a server, whoever made the error.
-//
-// Immutable, and so safe to share between threads.
+// Immutable, and so safe to share between threads. No part shows the password of a server, whoever made the error.
 class SLAMDB_EXPORT Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, std::string problem) : Error(kind, "", "", std::move(problem)) {}
@@ -40,20 +38,15 @@ class SLAMDB_EXPORT Error : public std::runtime_error {
 
   ErrorKind kind() const { return kind_; }
   // The file that was read or written.
-  const std::string& path() const { return parts_.path; }
+  const std::string& path() const { return path_; }
   // Where in it: `byte 48213, map 0, kf 77, descriptors`, or `table map_point, row 12`.
-  const std::string& place() const { return parts_.place; }
+  const std::string& place() const { return place_; }
   // What is wrong, what was expected and found, and the likely cause or the remedy.
-  const std::string& problem() const { return parts_.problem; }
+  const std::string& problem() const { return problem_; }
 
  private:
-  struct Parts {
-    std::string path, place, problem;
-  };
-  Error(ErrorKind kind, Parts parts);
-
   ErrorKind kind_;
-  Parts parts_;
+  std::string path_, place_, problem_;
 };
 
 // An error with the text of errno behind the problem: `cannot open: No such file or directory`.

@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "slamdb/export.h"
-
 namespace slamdb {
 
 // What a reader or writer has to say about work that succeeded.
@@ -28,14 +26,14 @@ struct WrittenCounts {
   std::uint64_t keyframes = 0, points = 0;  // keyframes: or poses
 };
 
-// Collects notices in the order they come. None shows the password of a server.
+// Collects notices in the order they come.
 //
 // Not thread-safe.
-class SLAMDB_EXPORT Notices {
+class Notices {
  public:
-  void Note(std::string text) { Add(Notice::Kind::kNote, std::move(text)); }
-  void Warn(std::string text) { Add(Notice::Kind::kWarning, std::move(text)); }
-  void Lose(std::string text) { Add(Notice::Kind::kLoss, std::move(text)); }
+  void Note(std::string text) { items_.push_back({Notice::Kind::kNote, std::move(text)}); }
+  void Warn(std::string text) { items_.push_back({Notice::Kind::kWarning, std::move(text)}); }
+  void Lose(std::string text) { items_.push_back({Notice::Kind::kLoss, std::move(text)}); }
 
   // All of those, behind the ones that are there.
   void Add(const Notices& others) { items_.insert(items_.end(), others.items_.begin(), others.items_.end()); }
@@ -58,8 +56,6 @@ class SLAMDB_EXPORT Notices {
   }
 
  private:
-  void Add(Notice::Kind kind, std::string text);
-
   std::vector<Notice> items_;
   std::string written_;
   std::optional<WrittenCounts> counts_;

@@ -153,8 +153,9 @@ std::size_t FindUri(std::string_view text, std::size_t from) {
 
 std::size_t NameBehind(std::string_view uri) {
   const std::size_t hash = uri.rfind('#'), begin = SchemeOf(uri);
-  const std::size_t slash = uri.find('/', begin), colon = uri.find(':', begin);
-  const bool is_of_password = colon < hash && hash < slash && uri.find('@', hash) != std::string_view::npos;
+  const std::size_t slash = uri.find('/', begin), colon = uri.find(':', begin), at = uri.find('@', begin);
+  const bool is_among_hosts = colon < hash && hash < slash && uri.find('@', hash) != std::string_view::npos;
+  const bool is_of_password = is_among_hosts && (at > hash || slash != std::string_view::npos);  // names have no slash
   return is_of_password ? std::string_view::npos : hash;
 }
 
