@@ -36,8 +36,8 @@ void RefuseBadOutput(const EditOptions& options) {
   const Format& format = FormatOfOutput(output, options.target.to);
   RefuseBadTarget(output, format, options.target);
   RefuseBinaryOnTerminal(output, format);
-  if (!options.target.overwrite && output.path != "-" && output.name.empty() && std::filesystem::exists(output.path) &&
-      !IsSpecialFile(output.path) && !format.named)
+  if (!options.target.overwrite && output.path != "-" && output.name.empty() && !format.named &&
+      std::filesystem::exists(output.path) && !IsSpecialFile(output.path))
     throw Error(ErrorKind::kAlreadyExists, output.path, "", "is there already; -O/--overwrite replaces it");
 }
 

@@ -9,6 +9,7 @@
 #include "cli/exports.h"
 #include "cli/options.h"
 #include "slamdb/base/detail/run_files.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 
@@ -23,6 +24,7 @@ void RefuseEmptyNames(const CLI::Option& option, const std::string& value) {
   if (value.empty()) RefuseUsage(which + "the name of the file is empty");
   const Location location = Location::Parse(value);
   if (location.name.empty() && location.path != value) RefuseUsage(which + value + " names no atlas behind the #");
+  if (value != "-") detail::RefuseMistypedServer(location.path);
 }
 
 struct NamedFile {
@@ -39,6 +41,7 @@ struct NamedFile {
 
 // A file `maps.db#lab` would stand in front of the atlas `lab` of the store `maps.db`.
 void RefuseNameOfAnAtlas(const std::string& value) {
+  detail::RequireFile(value);
   const std::size_t hash = value.rfind('#');
   if (hash != std::string::npos && hash > 0 && HoldsNamedAtlases(value.substr(0, hash)))
     throw Error(ErrorKind::kUsage, value, "", "names an atlas of a store, where a file is to be written; name another");

@@ -21,6 +21,7 @@
 #include "cli/libraries.h"
 #include "cli/options.h"
 #include "cli/terminal.h"
+#include "slamdb/base/detail/hidden_passwords.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/location.h"
@@ -140,7 +141,8 @@ enum class FirstWord { kVerb, kAtlas, kUnknown };
 FirstWord Judge(const std::vector<std::string>& words) {
   if (words.empty() || words.front().starts_with("-") || FindCommand(words.front()) != nullptr) return FirstWord::kVerb;
   std::error_code ignored;
-  const bool there = std::filesystem::exists(Location::Parse(words.front()).path, ignored);
+  const Location named = Location::Parse(words.front());
+  const bool there = named.is_server() || std::filesystem::exists(named.path, ignored);
   return there ? FirstWord::kAtlas : FirstWord::kUnknown;
 }
 
@@ -163,6 +165,7 @@ void MoveVerbToFront(const CLI::App& app, std::vector<std::string>& words) {
 }
 
 int Main(std::vector<std::string> words) {
+  for (std::string& word : words) word = detail::HidePassword(std::move(word));  // before anything may tell it
   Program program;
   AddVerbs(program.app);
   BindOptions(program, words);

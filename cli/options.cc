@@ -12,6 +12,7 @@
 #include "cli/help/usage.h"
 #include "cli/values.h"
 #include "slamdb/base/atomic_file.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/memory.h"
@@ -206,7 +207,10 @@ void RefuseBadTarget(const Location& output, const Format& format, const TargetO
 }
 
 void AddStore(CLI::App& verb, StoreVerbOptions& options) {
-  verb.add_option("STORE", options.path, "The store, an SQLite file of slamdb")->type_name("FILE")->required();
+  verb.add_option("STORE", options.path,
+                  "The store: an SQLite file of slamdb, or a database, postgresql://USER@HOST/DATABASE")
+      ->type_name("FILE")
+      ->required();
   AddWait(verb, options.wait);
 }
 
@@ -223,6 +227,7 @@ void RefuseUsage(const std::string& problem) { throw CLI::ValidationError(proble
 
 bool IsStandardOutput(const std::string& path) {
   if (path == "-") return true;
+  if (detail::IsServer(path)) return false;
   struct stat named {};
   struct stat standard {};
   return ::stat(path.c_str(), &named) == 0 && ::fstat(STDOUT_FILENO, &standard) == 0 &&
@@ -234,6 +239,7 @@ namespace {
 // `-`, `/dev/stdout` or `/dev/tty`, which IsStandardOutput tells apart.
 bool IsTerminal(const std::string& path) {
   if (path == "-") return ::isatty(STDOUT_FILENO) != 0;
+  if (detail::IsServer(path)) return false;
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || !S_ISCHR(status.st_mode)) return false;
   const int opened = ::open(path.c_str(), O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);

@@ -6,6 +6,7 @@
 #include "cli/guard.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/formats/store/store.h"
 
 namespace slamdb::cli {
@@ -19,6 +20,7 @@ struct BackupOptions {
 
 ExitCode RunBackup(const BackupOptions& options, Console& console) {
   RequireOutput(options.target);
+  detail::RefuseOnServer(options.store.path, "pg_dump makes a copy, and 'slamdb add' one of its atlases in a file");
   Store::Open(options.store.path, options.store.wait).Backup(options.target, options.overwrite);
   std::error_code ignored;
   if (!console.quiet())

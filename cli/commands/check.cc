@@ -13,6 +13,7 @@
 #include "cli/options.h"
 #include "cli/report/paint.h"
 #include "cli/words.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/checks/report.h"
 #include "slamdb/formats/dbow2/vocabulary.h"
@@ -59,6 +60,7 @@ std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptio
 std::string FileOfInput(const std::string& input) {
   const std::string path = Location::Parse(input).path;
   if (path == "-") return "standard-input";
+  if (detail::IsServer(path)) return path;
   std::error_code ignored;
   const std::filesystem::path whole = std::filesystem::weakly_canonical(path, ignored);
   const std::filesystem::path below = whole.lexically_relative(std::filesystem::current_path(ignored));

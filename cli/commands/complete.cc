@@ -20,6 +20,10 @@ struct CompleteOptions {
   std::vector<std::string> words;
 };
 
+// Whoever presses Tab asked for no connection: a server may take its time, ask for a password, or lock out who fails
+// too often. So nothing is offered there.
+bool IsOnServer(const std::string& word) { return Location(word).is_server(); }
+
 // `lab.db#mo` -> `lab.db#monday`.
 std::vector<std::string> AtlasNames(const std::string& word) {
   std::vector<std::string> found;
@@ -68,6 +72,7 @@ std::vector<std::string> EntityNames(const std::string& input, const std::string
 
 ExitCode RunComplete(const CompleteOptions& options, Console& console) {
   const std::vector<std::string>& words = options.words;
+  if (IsOnServer(words.front())) return ExitCode::kDone;
   for (const std::string& name : words.size() < 2 ? AtlasNames(words.front()) : EntityNames(words[0], words[1]))
     console.Print(name + "\n");
   return ExitCode::kDone;

@@ -53,7 +53,8 @@ ExitCode RunGc(const GcOptions& options, Console& console) {
   Store store = Store::OpenForWriting(location.path,
                                       {.lock_timeout = options.store.wait, .progress = console.MakeProgress(false)});
   const GiveUpReport report = store.GiveUp(options.give_up, location.name);
-  if (report.bytes > 0 && !options.give_up.dry_run && !options.no_vacuum) GiveSpaceBack(store);
+  const bool gives_back = !options.no_vacuum && !location.is_server();  // a server does so by itself
+  if (report.bytes > 0 && !options.give_up.dry_run && gives_back) GiveSpaceBack(store);
   if (options.json)
     console.PrintData(ToJson(report, options.store.path));
   else if (!console.quiet())

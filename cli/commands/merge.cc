@@ -2,7 +2,6 @@
 #include "slamdb/edit/merge/merge.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <set>
 #include <utility>
@@ -150,9 +149,8 @@ ExitCode MergeTheBranches(const MergeVerbOptions& options, Console& console) {
 
 // The store that two atlases are both in; nothing where they are not.
 std::optional<Store> StoreOfBoth(const Location& first, const Location& second, double wait) {
-  std::error_code ignored;
   const bool same = !first.name.empty() && !second.name.empty() && HoldsNamedAtlases(first.path) &&
-                    std::filesystem::equivalent(first.path, second.path, ignored);
+                    detail::IsSameFile(first.path, std::nullopt, second.path, std::nullopt);
   return same ? std::optional(Store::Open(first.path, wait)) : std::nullopt;
 }
 

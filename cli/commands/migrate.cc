@@ -14,9 +14,10 @@ struct MigrateVerbOptions {
 };
 
 ExitCode RunMigrate(const MigrateVerbOptions& options, Console& console) {
+  const bool is_server = Location(options.store.path).is_server();  // of which pg_dump makes a copy
   const MigrateReport report = MigrateStore(options.store.path, {.back = options.back,
                                                                  .dry_run = options.dry_run,
-                                                                 .backup = !options.no_backup,
+                                                                 .backup = !options.no_backup && !is_server,
                                                                  .lock_timeout = options.store.wait});
   if (console.quiet()) return ExitCode::kDone;
   std::string text = options.store.path + ": ";

@@ -28,7 +28,8 @@ struct SplitVerbOptions {
   Border border = Border::kSmart;
 };
 
-// `parts/{}.osa` and `out.osa` become `parts/map-3.osa` and `out-map-3.osa`, `lab.db#a` becomes `lab.db#a-map-3`.
+// `parts/{}.osa` and `out.osa` become `parts/map-3.osa` and `out-map-3.osa`, `lab.db#a` becomes `lab.db#a-map-3`, and a
+// server without a name holds `map-3`.
 std::string OutputOf(const std::string& pattern, const std::string& part) {
   if (const std::size_t hole = pattern.find("{}"); hole != std::string::npos)
     return pattern.substr(0, hole) + part + pattern.substr(hole + 2);
@@ -37,6 +38,7 @@ std::string OutputOf(const std::string& pattern, const std::string& part) {
     location.name += "-" + part;
     return location.ToString();
   }
+  if (location.is_server()) return Location(location.path, part).ToString();
   const std::size_t suffix = location.path.size() - SuffixOf(location.path).size();
   return location.path.substr(0, suffix) + "-" + part + location.path.substr(suffix);
 }
@@ -54,7 +56,7 @@ using StoredNames = std::map<std::string, std::vector<std::string>>;
 
 // Whether an atlas is there, in a file or under its name in a store.
 bool IsThere(const Location& location, StoredNames& stored) {
-  if (!std::filesystem::exists(location.path)) return false;
+  if (!location.is_server() && !std::filesystem::exists(location.path)) return false;
   if (location.name.empty()) return true;
   const auto [store, first] = stored.try_emplace(location.path);
   if (first && !Store::IsYetToBeMade(location.path)) store->second = Store::Open(location.path).Names();
@@ -77,8 +79,9 @@ void RefuseBadOutputs(const SplitVerbOptions& options, const std::vector<Part>& 
 
 // Of one part: the pattern may have {} in the name of a folder.
 void MakeFolderOf(const EditOptions& edit) {
-  const std::string folder = std::filesystem::path(edit.output).parent_path().string();
-  if (!edit.dry_run && !folder.empty()) MakeFolder(folder);
+  if (edit.dry_run || Location(edit.output).is_server()) return;
+  if (const std::string folder = std::filesystem::path(edit.output).parent_path().string(); !folder.empty())
+    MakeFolder(folder);
 }
 
 Atlas ReadWhole(const SplitVerbOptions& options, Console& console, Notices& notices) {

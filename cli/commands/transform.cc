@@ -116,6 +116,10 @@ std::string PathOfOrigin(const TransformVerbOptions& options, Notices& notices) 
     notices.Warn("standard output has no place for the origin; keep the report");
     return {};
   }
+  if (Location(options.edit.output).is_server()) {
+    notices.Warn("a server has no place for the origin; keep the report");
+    return {};
+  }
   std::string path = GeoreferencePath(options.edit.output);
   notices.Note("the origin is in " + path);
   return path;

@@ -4,12 +4,14 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/formats/store/store.h"
 
 namespace slamdb::cli {
 namespace {
 
 ExitCode RunVacuum(const StoreVerbOptions& options, Console& console) {
+  detail::RefuseOnServer(options.path, "the server gives space back by itself, or when told to, as VACUUM does in SQL");
   const std::uint64_t before = Store::Open(options.path, options.wait).Stats().file_bytes;
   Store store =
       Store::OpenForWriting(options.path, {.lock_timeout = options.wait, .progress = console.MakeProgress(false)});

@@ -133,7 +133,8 @@ std::string SeeAlso(const CLI::App& app) {
 constexpr std::string_view kProgramDescription =
     R"(slamdb opens, keeps, checks, converts and shows the maps that visual SLAM systems save, without the SLAM system.
 
-Atlases are files (.osa of ORB-SLAM3, binary or text) or lie under a name in a store (STORE.db#NAME, an SQLite file).
+Atlases are files (.osa of ORB-SLAM3, binary or text) or lie under a name in a store (STORE.db#NAME, an SQLite file, or
+postgresql://USER@HOST/DATABASE#NAME, wherever a store is named). A password is best kept in ~/.pgpass; one in a URI is never shown.
 Inputs are never changed, and no output may be one. Outputs are written beside their place and renamed when they are whole;
 nothing is replaced without --overwrite, and a store never by a file. Devices and pipes are written into. The name - means standard input or output. Results go to standard output, everything else to
 standard error.)";

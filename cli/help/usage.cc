@@ -9,6 +9,7 @@
 #include "cli/guard.h"
 #include "cli/help/tree.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/layouts/layout.h"
@@ -146,9 +147,10 @@ std::string CommandLine(std::string_view verb, std::span<const std::string> word
   return line;
 }
 
+// What is in a server is not asked for, and taken to be there.
 bool IsThere(const std::string& path) {
   std::error_code ignored;
-  return std::filesystem::exists(path, ignored);
+  return detail::IsServer(path) || std::filesystem::exists(path, ignored);
 }
 
 // Whether the verb has an -o that was not given, and no OUTPUT that would be in its place.

@@ -44,7 +44,7 @@ def read(
 ) -> Atlas:
     """Read an atlas: of ORB-SLAM3 and its forks, of a store (`maps.db#lab`), or of another program.
 
-    source: a path, or the bytes of a file, as `encode` gives them
+    source: a path, `postgresql://user@host/database#name` as a str, or the bytes of a file, as `encode` gives them
     format: its id (docs/formats.md); by default the content tells
     layout: of an .osa file of a fork of ORB-SLAM3, by id or as a JSON file; by default the content tells
     map: only the map of this id

@@ -132,9 +132,11 @@ _OF_LIST = ("name", "maps", "sensors", "keyframes", "points", "trajectory_length
 
 def html_of_store(store: "Store") -> Optional[str]:
     """None, where nothing can be told: then notebooks show the text alone."""
-    if store.closed or not os.path.exists(store.path):
+    if store.closed:
         return None
     try:
+        if not store._file.is_made():
+            return None
         atlases = store.list()["atlases"]
     except Error:
         return None

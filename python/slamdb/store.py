@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stores: many atlases in one SQLite file, each under a name, with their history."""
+"""Stores: many atlases in one SQLite file or database of a server, each under a name, with their history."""
 
 import os
 from types import TracebackType
@@ -27,6 +27,8 @@ class Store:
     processes. Those of a pool have to be started with "spawn", since SQLite is not to be used across a fork. Nothing is
     held between calls; `close` only ends the use of this object.
 
+    path: of a file, or `postgresql://user@host/database` as a str, since a pathlib.Path keeps only one of two slashes. A
+        password is best kept in ~/.pgpass, and is shown nowhere. `backup` and `vacuum` are for files
     read_only: nothing is written, and nothing made; otherwise a file that is missing is made by the first save
     wait: seconds for which a call waits for another program that writes; then it raises LockedError
     sync: a save that has returned survives power loss
@@ -37,16 +39,18 @@ class Store:
 
     def __init__(self, path: Path, *, read_only: bool = False, wait: float = 5.0, sync: bool = True) -> None:
         self._path = os.fspath(path)
+        self._shown = _slamdb.without_password(os.fsencode(self._path))
         self._read_only = read_only
         self._options = (wait, sync)
         self._closed = False
         file = self._file
-        if read_only or (os.path.exists(self._path) and os.path.getsize(self._path) > 0):
+        if read_only or file.is_made():
             file.migrate(False, True, False)  # without doing anything: it is a store
 
     @property
     def path(self) -> str:
-        return self._path
+        """Of a server without the password."""
+        return self._shown
 
     @property
     def closed(self) -> bool:
@@ -65,7 +69,7 @@ class Store:
         self.close()
 
     def __repr__(self) -> str:
-        return f"<slamdb.Store {self._path!r}{' closed' if self._closed else ''}>"
+        return f"<slamdb.Store {self._shown!r}{' closed' if self._closed else ''}>"
 
     def _repr_html_(self) -> Optional[str]:
         from .notebook import html_of_store
@@ -75,20 +79,20 @@ class Store:
     @property
     def _file(self) -> _slamdb.StoreFile:
         if self._closed:
-            raise UsageError("the store is closed", self._path)
+            raise UsageError("the store is closed", self._shown)
         return _slamdb.StoreFile(os.fsencode(self._path), *self._options)
 
     @property
     def _writer(self) -> _slamdb.StoreFile:
         if self._read_only:
-            raise UsageError("the store was opened with read_only=True", self._path)
+            raise UsageError("the store was opened with read_only=True", self._shown)
         return self._file
 
     @property
     def names(self) -> List[str]:
         """What its atlases are called, ascending; none, where the file is not made yet."""
         file = self._file
-        return file.names() if self._read_only or os.path.exists(self._path) else []
+        return file.names() if self._read_only or file.is_made() else []
 
     def __contains__(self, name: object) -> bool:
         return name in self.names
@@ -184,9 +188,9 @@ class Store:
         The file keeps its size until `vacuum`. Raises NotFoundError where there is no such atlas.
         """
         if keep is None and keep_days is None and not keep_tags:
-            raise UsageError("say what to keep: keep, keep_days, or keep_tags=True", self._path)
+            raise UsageError("say what to keep: keep, keep_days, or keep_tags=True", self._shown)
         if (keep is not None and keep < 1) or (keep_days is not None and not keep_days >= 0):
-            raise UsageError("keep is at least 1, and keep_days is not negative", self._path)
+            raise UsageError("keep is at least 1, and keep_days is not negative", self._shown)
         return Report.parse(self._writer.gc(_bytes(name), keep, keep_days, dry_run))
 
     def remove(self, name: str, *, progress: Progress = None) -> None:
@@ -249,7 +253,7 @@ class Store:
         One that cannot be read is an entry with its `failure`. Raises NotFoundError where there is no atlas.
         """
         if not self.names:
-            raise NotFoundError("there is no atlas to check", self._path)
+            raise NotFoundError("there is no atlas to check", self._shown)
         return check(
             self._path, ignore=ignore, note=note, warn=warn, error=error, strict=strict, max_findings=max_findings,
             gates=gates, wait=self._options[0], threads=threads, progress=progress,
@@ -303,7 +307,7 @@ class Store:
         from . import tables  # here, because it imports numpy
 
         if kind not in tables.KINDS:
-            raise UsageError(f"there is no table {kind!r}: there are {', '.join(tables.KINDS)}", self._path)
+            raise UsageError(f"there is no table {kind!r}: there are {', '.join(tables.KINDS)}", self._shown)
         names = self.names if name is None else [name]
         columns = tables.atlas_columns(kind, ((each, self.load(each, features=False)) for each in names))
         return tables.frame_of(columns) if tables.has_pandas() else columns

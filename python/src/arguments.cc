@@ -5,6 +5,7 @@
 
 #include "python/src/errors.h"
 #include "slamdb/base/detail/run_files.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/location.h"
 #include "slamdb/formats/results.h"
@@ -133,7 +134,8 @@ void Arguments::RefuseIdle(std::initializer_list<const char*> names, const std::
 }
 
 void Arguments::RefuseType(const char* name, const py::object& value, std::string_view expected) {
-  std::string problem = std::string(name) + "= cannot be " + py::repr(value).cast<std::string>();
+  std::string problem =
+      detail::WithoutPasswords(std::string(name) + "= cannot be " + py::repr(value).cast<std::string>());
   if (!expected.empty()) problem.append(", it takes ").append(expected);
   if (py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value)) throw Error(ErrorKind::kUsage, problem);
   throw py::type_error(problem);

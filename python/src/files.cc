@@ -11,6 +11,7 @@
 #include "python/src/module.h"
 #include "python/src/selections.h"
 #include "python/src/unlocked.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/info.h"
@@ -31,7 +32,7 @@ py::list ListOf(const Notices& notices) {
     const char* kind = notice.kind == Notice::Kind::kLoss      ? "loss"
                        : notice.kind == Notice::Kind::kWarning ? "warning"
                                                                : "note";
-    list.append(py::make_tuple(kind, TextOf(notice.text)));
+    list.append(py::make_tuple(kind, TextOf(detail::WithoutPasswords(notice.text))));
   }
   return list;
 }

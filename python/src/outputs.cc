@@ -83,7 +83,8 @@ struct Converting {
     const Location to(NamedOutput(source.path, output, convert.write.format));
     const Format& format = FormatOfOutput(to, convert.write.format);
     RefuseIdleSelection(source, convert.read);
-    convert.write.of<StoreWriteOptions>().provenance = source.path.empty() ? "convert" : "convert " + source.path;
+    convert.write.of<StoreWriteOptions>().provenance =
+        source.path.empty() ? "convert" : "convert " + Location(source.path).ToString();
     convert.where = WhereOnEarth(origin, source.path, format, notices);
     if (!images.empty()) convert.write.of<ColmapWriteOptions>().pictures = FindKeyFramePictures(images);
     const Converted converted =

@@ -13,6 +13,7 @@
 #include "python/src/selections.h"
 #include "python/src/unlocked.h"
 #include "python/src/verb.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/location.h"
@@ -123,8 +124,10 @@ py::tuple AddTo(const StoreFile& file, const std::vector<std::string>& paths, bo
 }
 
 py::dict MigrateFile(const StoreFile& file, bool back, bool dry_run, bool backup) {
+  const bool is_server = Location(file.path).is_server();  // of which pg_dump makes a copy
   const MigrateReport report = WithoutGil([&] {
-    return MigrateStore(file.path, {.back = back, .dry_run = dry_run, .backup = backup, .lock_timeout = file.wait});
+    return MigrateStore(file.path,
+                        {.back = back, .dry_run = dry_run, .backup = backup && !is_server, .lock_timeout = file.wait});
   });
   py::dict told;
   told["from_version"] = report.from;
@@ -143,6 +146,9 @@ py::list NamesIn(const StoreFile& file) {
 void DefineLooking(py::class_<StoreFile>& store) {
   store.def("names", &NamesIn)
       .def("load", &LoadFrom)
+      .def(
+          "is_made",
+          [](const StoreFile& file) { return !WithoutGil([&] { return Store::IsYetToBeMade(file.path, file.wait); }); })
       .def("log",
            [](const StoreFile& file, const std::string& name) {
              const auto entries = WithoutGil([&] { return file.Reader().Log(name); });
@@ -195,9 +201,12 @@ void DefineKeeping(py::class_<StoreFile>& store) {
       .def("vacuum",
            [](const StoreFile& file, const py::object& listener) {
              const Progress progress = ProgressTo(listener);
+             detail::RefuseOnServer(file.path, "the server gives space back by itself, or by VACUUM in SQL");
              WithoutGil([&] { file.WriterOfPresent(progress).Vacuum(); });
            })
       .def("backup", [](const StoreFile& file, const std::string& target, bool overwrite) {
+        detail::RefuseOnServer(file.path, "pg_dump makes a copy, and add() one of its atlases in a file");
+        detail::RequireFile(target);
         WithoutGil([&] { file.Reader().Backup(target, overwrite); });
       });
 }
@@ -205,6 +214,7 @@ void DefineKeeping(py::class_<StoreFile>& store) {
 }  // namespace
 
 void DefineStore(py::module_& module) {
+  module.def("without_password", [](const std::string& path) { return TextOf(detail::WithoutPassword(path)); });
   py::class_<StoreFile> store(module, "StoreFile");
   store.def(py::init([](const std::string& path, double wait, bool sync) {
     if (const std::string name = Location(path).name; !name.empty())

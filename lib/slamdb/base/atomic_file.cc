@@ -16,6 +16,7 @@
 #include "slamdb/base/detail/links.h"
 #include "slamdb/base/detail/rights.h"
 #include "slamdb/base/detail/run_files.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/detail/temporary_file.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/base/error.h"
@@ -71,6 +72,7 @@ detail::FileCalls& detail::CallsOfFiles() {
 }
 
 bool IsSpecialFile(const std::string& path) {
+  if (detail::IsServer(path)) return false;
   if (detail::IsOpenFile(detail::FollowLinks(path))) return true;
   const auto status = StatusOf(path);
   return status && !S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode);
@@ -86,6 +88,7 @@ AtomicFile::AtomicFile(const Target& target, AtomicFileOptions options)
 
 void AtomicFile::Open() {
   if (path_.empty()) throw Error(ErrorKind::kUsage, "the name of the file to write is empty");
+  detail::RequireFile(path_);
   target_ = detail::FollowLinks(path_).string();
   std::error_code missing;
   if (std::filesystem::is_symlink(std::filesystem::symlink_status(target_, missing)) && !detail::IsOpenFile(target_))

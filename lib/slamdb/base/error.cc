@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "slamdb/base/detail/errno_kind.h"
+#include "slamdb/base/detail/server.h"
 
 namespace slamdb {
 namespace {
@@ -86,11 +87,11 @@ std::string_view ToString(ErrorKind kind) {
 }
 
 Error::Error(ErrorKind kind, std::string path, std::string place, std::string problem)
-    : std::runtime_error(Sentence(path, place, problem)),
+    : std::runtime_error(detail::WithoutPasswords(Sentence(path, place, problem))),
       kind_(kind),
-      path_(std::move(path)),
-      place_(std::move(place)),
-      problem_(std::move(problem)) {}
+      path_(detail::WithoutPasswords(std::move(path))),
+      place_(detail::WithoutPasswords(std::move(place))),
+      problem_(detail::WithoutPasswords(std::move(problem))) {}
 
 Error SystemError(const std::string& path, const std::string& problem) {
   const int code = errno;

@@ -30,7 +30,7 @@ SLAMDB_EXPORT std::string_view ToString(ErrorKind kind);
 // The one exception type of the library.
 // what() reads `<path>: <place>: <problem>`, with empty parts left out.
 //
-// Immutable, and so safe to share between threads.
+// Immutable, and so safe to share between threads. No part shows the password of a server, whoever made the error.
 class SLAMDB_EXPORT Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, std::string problem) : Error(kind, "", "", std::move(problem)) {}

@@ -8,6 +8,7 @@
 
 #include <cerrno>
 
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::detail {
@@ -29,6 +30,7 @@ void RefuseOthers(const std::string& path, mode_t mode) {
 
 // Opens without waiting for the writer of a FIFO.
 int Open(const std::string& path) {
+  RequireFile(path);
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0) RefuseOthers(path, status.st_mode);
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
@@ -40,6 +42,7 @@ int Open(const std::string& path) {
 
 bool IsStream(const std::string& path) {
   if (path == "-") return true;
+  if (IsServer(path)) return false;
   struct stat status {};
   return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
 }

@@ -5,6 +5,7 @@
 
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb {
@@ -12,6 +13,7 @@ namespace slamdb {
 namespace fs = std::filesystem;
 
 bool NamesFolder(const std::string& output) {
+  if (detail::IsServer(output)) return false;
   std::error_code missing;
   if (output.ends_with('/') || fs::is_directory(output, missing)) return true;
   const bool plain = !output.empty() && output != "-" && !fs::exists(output, missing);

@@ -18,12 +18,13 @@
 #include "slamdb/base/detail/descriptor.h"
 #include "slamdb/base/detail/links.h"
 #include "slamdb/base/detail/recognize.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 
 namespace slamdb::detail {
 namespace {
 
-// A file, or a name in a folder, whether a file has it or not.
+// A file, or a name in a folder, whether a file has it or not; of a server, which database it is.
 using Key = std::tuple<dev_t, ino_t, std::string>;
 
 struct Use {
@@ -48,6 +49,7 @@ constexpr std::array<std::string_view, 2> kLogs = {"-wal", "-journal"};
 
 // The database that a file of this name belongs to; empty: to none.
 std::string DatabaseOf(const std::string& path) {
+  if (IsServer(path)) return {};
   const std::string followed = FollowLinks(path).string();
   for (const std::string_view suffix : kBesideStores) {
     if (!followed.ends_with(suffix)) continue;
@@ -68,6 +70,7 @@ void RefuseBesideDatabase(const std::string& path) {
 
 // Under which a file is entered: two for one that is there. None for what is no regular file.
 std::vector<Key> KeysOf(const std::string& path) {
+  if (IsServer(path)) return {Key(0, 0, DatabaseOfServer(path))};  // no file has the inode 0
   std::vector<Key> keys;
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0) {
@@ -83,7 +86,7 @@ std::vector<Key> KeysOf(const std::string& path) {
 // And those of what lies beside a store.
 std::vector<Key> KeysOf(const std::string& path, const AtlasName& atlas) {
   std::vector<Key> keys = KeysOf(path);
-  if (!atlas || keys.empty()) return keys;
+  if (!atlas || keys.empty() || IsServer(path)) return keys;
   const Key name = keys.back();
   for (const std::string_view suffix : kBesideStores)
     keys.emplace_back(std::get<0>(name), std::get<1>(name), Concat(std::get<2>(name), suffix));
@@ -178,6 +181,7 @@ void EnterRevision(const std::string& path, const std::string& atlas, const std:
 }
 
 void RefuseInput(const std::string& path, const AtlasName& atlas) {
+  if (!atlas) RequireFile(path);
   RefuseBesideDatabase(path);
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);
@@ -191,6 +195,7 @@ bool IsOfThisRun(const std::string& path) {
 }
 
 void EnterOutput(const std::string& path, const AtlasName& atlas) {
+  if (!atlas) RequireFile(path);
   RefuseBesideDatabase(path);
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);

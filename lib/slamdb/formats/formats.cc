@@ -8,6 +8,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/opened_input.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/colmap/detail/colmap.h"
 #include "slamdb/formats/csv/detail/csv.h"
@@ -133,7 +134,8 @@ const KindredSuffix* FindKindred(const std::string& path) {
 
 // `slamdb convert a.osa b.gltf --to gltf`: other programs would not read it by that name.
 void RefuseMisleadingSuffix(const Format& format, const Target& target) {
-  const KindredSuffix* kindred = target.is_file() ? FindKindred(target.path) : nullptr;
+  const KindredSuffix* kindred =
+      target.is_file() && !detail::IsServer(target.path) ? FindKindred(target.path) : nullptr;
   if (kindred == nullptr || !kindred->misleads) return;
   const std::string named = std::filesystem::path(target.path)
                                 .replace_extension(format.suffixes.empty() ? kindred->nearest : format.suffixes.front())
@@ -231,6 +233,13 @@ void RefuseOther(const Format& format, const Probe& probe) {
   if (const auto foreign = detail::RecognizeOther(probe)) RefuseForeign(*foreign, probe.path);
 }
 
+// A database of a server is a store, without a look at it; `asked`: the format that it is said to have, or empty.
+const Format& FormatOfServer(const std::string& path, const std::string& asked) {
+  const Format& format = FormatById(asked.empty() ? "store" : asked);
+  if (format.named) return format;
+  throw Error(ErrorKind::kUsage, path, "", Concat("is a database of a server, which is a store and no ", format.title));
+}
+
 // By the options, or by content, then by suffix.
 const Format& FormatOf(const Probe& probe, const ReadOptions& options) {
   if (options.format.empty()) return DetectFormat(probe);
@@ -239,7 +248,13 @@ const Format& FormatOf(const Probe& probe, const ReadOptions& options) {
   return format;
 }
 
+const Format& FormatOf(const Source& source, const ReadOptions& options) {
+  if (source.is_file() && detail::IsServer(source.path)) return FormatOfServer(source.path, options.format);
+  return FormatOf(Probe::Of(source), options);
+}
+
 const Format* FindReadable(const Source& source) {
+  if (source.is_file() && detail::IsServer(source.path)) return &FormatOfServer(source.path, {});
   const Format* format = Detect(Probe::Of(source)).format;
   return format != nullptr && CanRead(*format) ? format : nullptr;
 }
@@ -293,13 +308,13 @@ const Format* detail::FormatBySuffix(std::string_view path, bool (*has)(const Fo
 }
 
 HeldSource detail::Hold(const Source& source, const ReadOptions& options) {
+  if (source.is_file()) RefuseMistypedServer(source.path);
   if (options.custom_format != nullptr) return HeldSource(source);
   return HeldSource(source, [&options](const Probe& beginning) { FormatOf(beginning, options); });
 }
 
 const Format& detail::FormatToRead(const Source& source, const ReadOptions& options) {
-  const Format& format =
-      options.custom_format != nullptr ? *options.custom_format : FormatOf(Probe::Of(source), options);
+  const Format& format = options.custom_format != nullptr ? *options.custom_format : FormatOf(source, options);
   if (!options.format.empty() && !CanRead(format))
     throw Error(ErrorKind::kUsage, source.path, "",
                 Concat("format `", format.id, "` can only be written; readable are ", Ids(CanRead)));
@@ -311,7 +326,10 @@ const Format& detail::FormatToRead(const Source& source, const ReadOptions& opti
 }
 
 const Format& detail::FormatToWrite(const Target& target, const WriteOptions& options) {
+  const bool is_server = target.is_file() && IsServer(target.path);
   const Format* format = options.custom_format;
+  if (target.is_file()) RefuseMistypedServer(target.path);
+  if (format == nullptr && is_server) format = &FormatOfServer(target.path, options.format);
   if (format == nullptr) format = options.format.empty() ? &FormatOfSuffix(target) : &FormatById(options.format);
   RequireWritable(*format, target.path);
   RequirePath(*format, target.path, target.is_file());
@@ -342,8 +360,10 @@ const Format* FindFormatOfInput(const Location& location) {
 
 const Format* FindFormatOfInput(const HeldSource& held) { return FindReadable(held.source()); }
 
-// What is there tells by its content; what is not yet, by its suffix, which stores share with databases of others.
+// A server holds nothing else. What is there tells by its content; what is not yet, by its suffix, which stores share
+// with databases of others.
 bool HoldsNamedAtlases(const std::string& path) {
+  if (detail::IsServer(path)) return true;
   const bool by_suffix = FormatBySuffix(path, [](const Format& format) { return format.named; }) != nullptr;
   std::error_code missing;
   if (!std::filesystem::is_regular_file(path, missing)) return by_suffix;

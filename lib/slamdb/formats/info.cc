@@ -4,8 +4,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 
+#include "slamdb/base/detail/file_size.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/detail/json.h"
@@ -135,12 +135,8 @@ AtlasInfo ReadInfo(const Location& location, ReadOptions options, Notices* notic
       held.source(), [&] { return found.read(held.source(), options, notices == nullptr ? unheard : *notices); });
   AtlasInfo info = InfoOf(atlas, found, location.ToString());
   info.parts = std::move(parts);
-  std::error_code unknown;
-  const std::uint64_t size = std::filesystem::file_size(location.path, unknown);
-  if (held.source().memory)
-    info.bytes = held.source().memory->size();
-  else if (!unknown)
-    info.bytes = size;
+  const std::optional<Bytes>& memory = held.source().memory;
+  info.bytes = memory ? memory->size() : detail::FileSize(location.path);
   if (header_only) return info;
   info.statistics = ComputeStatistics(atlas, options.threads);
   for (const Map& map : atlas.maps) info.paths.push_back(PathOf(map));

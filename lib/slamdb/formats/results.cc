@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/convert_report.h"
 #include "slamdb/formats/formats.h"
@@ -47,7 +48,7 @@ bool IsArchive(const Format& format) { return format.id.starts_with("orbslam3");
 // By its first bytes; stores are guarded where files are replaced.
 bool ReadsAsAtlas(const std::string& path) {
   std::error_code missing;
-  if (!std::filesystem::is_regular_file(path, missing)) return false;
+  if (detail::IsServer(path) || !std::filesystem::is_regular_file(path, missing)) return false;
   try {
     const Probe probe = Probe::Of(path);
     const auto format = std::ranges::find_if(

@@ -3,6 +3,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/recognize.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/formats.h"
@@ -47,6 +48,7 @@ Salvage SalvageSource(const Source& source, const ReadOptions& options) {
 }  // namespace
 
 Salvage SalvageAtlas(const Location& location, const ReadOptions& options) {
+  detail::RefuseOnServer(location.path, "what is damaged there is restored from a backup, as pg_restore does");
   return SalvageSource({location.path, location.name}, options);
 }
 

@@ -16,8 +16,8 @@ namespace {
 using nlohmann::ordered_json;
 
 bool IsAtlas(const HeldSource& held, const ReadOptions& read) {
-  return !read.format.empty() || std::filesystem::is_directory(held.source().path) ||
-         FindFormatOfInput(held) != nullptr;
+  return !read.format.empty() || FindFormatOfInput(held) != nullptr ||
+         std::filesystem::is_directory(held.source().path);
 }
 
 ordered_json JsonOf(const ShownVocabulary& shown) {

@@ -111,7 +111,7 @@ Checkpointer::Checkpointer(Atlas& atlas, const std::string& location, const Chec
                 slamdb::detail::Concat("an interval of ", options.interval, " seconds, expected 0 to 1e9"));
   if (target.name.empty())
     throw Error(ErrorKind::kUsage, target.path, "", "name the atlas in the store to save to, as STORE#NAME");
-  if (!std::filesystem::exists(target.path) && !FormatOfOutput(target).named)
+  if (!target.is_server() && !std::filesystem::exists(target.path) && !FormatOfOutput(target).named)
     throw Error(ErrorKind::kUsage, target.path, "",
                 "is not named like a store, which a checkpointer needs; its suffix is .db");
   state_ = std::make_unique<State>(atlas, target, options);

@@ -11,6 +11,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/run_files.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/orbslam3/options.h"
@@ -58,7 +59,7 @@ class Adder {
         names_(detail::StoreNamesOf(inputs_, options)),
         held_(HashesIn(store, options.lock_timeout)),
         before_(held_),
-        report_{.store = store, .dry_run = options.dry_run} {}
+        report_{.store = detail::WithoutPassword(store), .dry_run = options.dry_run} {}
 
   AddReport Run() {
     TellNames();

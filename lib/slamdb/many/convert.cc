@@ -10,6 +10,7 @@
 
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/file_size.h"
 #include "slamdb/base/error.h"
 #include "slamdb/edit/frame/put_poses.h"
 #include "slamdb/edit/repair/repair.h"
@@ -42,12 +43,6 @@ void RefuseLosses(const Notices& notices) {
 bool CutsThroughMaps(Selection selection) {
   selection.map.reset();
   return !selection.everything();
-}
-
-std::optional<std::uint64_t> SizeOf(const std::string& path) {
-  std::error_code unknown;
-  const std::uint64_t size = std::filesystem::file_size(path, unknown);
-  return unknown ? std::nullopt : std::optional(size);
 }
 
 const Format* FormatOf(const HeldSource& input, const ReadOptions& read) {
@@ -157,7 +152,7 @@ class Conversion {
     const PutPosesReport put = PutPoses(atlas, found, places);
     into = {.keyframes = put.keyframes, .points = put.points, .largest_shift = put.largest_shift};
     notices_.Note(Concat("put ", Counted(put.keyframes, "pose"), " and ", Counted(put.points, "point"), " into ",
-                         options_.onto, "; the largest shift of a camera is ", detail::Digits(put.largest_shift, 3)));
+                         Location(options_.onto).ToString(), "; the largest shift of a camera is ", detail::Digits(put.largest_shift, 3)));
     for (const std::string& warning : put.warnings) notices_.Warn(warning);
     for (const std::string& loss : put.losses) notices_.Lose(loss);
     return atlas;
@@ -198,7 +193,7 @@ class Conversion {
 
   Converted Finish(ConvertReport report) const {
     const bool is_one_file = !format_.needs_path && !format_.is_folder;
-    if (is_one_file && !options_.dry_run) report.bytes = SizeOf(output_.path);
+    if (is_one_file && !options_.dry_run) report.bytes = detail::FileSize(output_.path);
     if (is_one_file && options_.dry_run && !format_.named && output_.path != "-" && !IsSpecialFile(output_.path))
       report.bytes = would_have_;
     report.Add(notices_);

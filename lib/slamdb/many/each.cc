@@ -2,12 +2,11 @@
 #include "slamdb/many/each.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <mutex>
 #include <numeric>
 #include <string_view>
-#include <system_error>
 
+#include "slamdb/base/detail/file_size.h"
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/formats.h"
 
@@ -55,9 +54,9 @@ void ForEachRow(std::size_t count, const ReadOptions& read,
 std::vector<std::uint8_t> FindLarge(std::span<const AtlasInput> inputs, int threads) {
   std::vector<std::uintmax_t> bytes;
   for (const AtlasInput& input : inputs) {
-    std::error_code failed;  // of what is no file: it is found out by reading
-    const std::uintmax_t size = std::filesystem::file_size(input.location.path, failed);
-    bytes.push_back(failed || !input.location.name.empty() || input.atlas ? 0 : size);
+    const bool is_file = input.location.name.empty() && !input.atlas;
+    bytes.push_back(is_file ? detail::FileSize(input.location.path).value_or(0)
+                            : 0);  // what is none, reading finds out
   }
   const auto share = std::accumulate(bytes.begin(), bytes.end(), std::uintmax_t{0}) /
                      static_cast<std::uintmax_t>(detail::ThreadCount(threads));

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/detail/choose.h"
 #include "slamdb/formats/detail/recognize.h"
@@ -65,9 +66,8 @@ class Finder {
   Finder(const FindAtlasesOptions& options, AtlasInputs& found) : options_(options), found_(found) {}
 
   void Find(const std::string& name) {
-    std::error_code failed;
-    if (name != "-" && fs::is_directory(name, failed) && FormatByContent(name) == nullptr) return FindInFolder(name);
     const Location location(name);
+    if (!location.is_server() && IsFolderOfAtlases(name)) return FindInFolder(name);
     if (HoldsNamedAtlases(location.path) && (location.name.empty() || IsPattern(location.name)))
       return FindInStore(location, "");
     found_.atlases.push_back({.location = location});
@@ -79,10 +79,16 @@ class Finder {
     bool is_store = false;
   };
 
+  static bool IsFolderOfAtlases(const std::string& name) {
+    std::error_code failed;
+    return name != "-" && fs::is_directory(name, failed) && FormatByContent(name) == nullptr;
+  }
+
   static bool IsPattern(const std::string& name) { return name.find_first_of("*?[") != std::string::npos; }
 
   void Fail(Location location, const std::string& below, std::string failure) {
-    found_.atlases.push_back({.location = std::move(location), .below = below, .failure = std::move(failure)});
+    found_.atlases.push_back(
+        {.location = std::move(location), .below = below, .failure = detail::WithoutPasswords(std::move(failure))});
   }
 
   // Those of a store, all or as the location's name has it.
@@ -93,7 +99,7 @@ class Finder {
     } catch (const Error& error) {
       return Fail(store, below, error.what());
     }
-    if (names.empty()) return found_.empty_stores.push_back(store.path);
+    if (names.empty()) return found_.empty_stores.push_back(detail::WithoutPassword(store.path));
     const bool all = store.name.empty();
     if (!all && !std::ranges::count(names, store.name))
       std::erase_if(names,

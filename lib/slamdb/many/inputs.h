@@ -49,7 +49,7 @@ struct FindAtlasesOptions {
 //   a folder       its files that are atlases, in natural order (map2 before map10): with the suffix .osa, .osa.txt,
 //                  .slamdb or .mrpt, whatever they hold; with another suffix of a format that holds atlases (.db,
 //                  .ndjson, ...), or with none, when their content is an atlas. Stores stand for their atlases
-//   a store        all its atlases, in natural order
+//   a store        all its atlases, in natural order; also a database of a server
 //   STORE.db#lab_* those whose names match: `*` any letters, `?` one, `[a-f]` one of them. A name that is there as it
 //                  was given is meant itself
 //   anything else  itself, there or not: reading it says what is wrong

@@ -2,9 +2,10 @@
 #include "slamdb/many/maps_to_align.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 
+#include "slamdb/base/detail/run_files.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/location.h"
 #include "slamdb/many/likely_maps.h"
@@ -18,8 +19,7 @@ std::vector<std::string> NamedOf(const Store& store, const std::vector<std::stri
   std::vector<std::string> names;
   for (const std::string& input : inputs) {
     const Location location(input);
-    std::error_code none;
-    if (!location.name.empty() && std::filesystem::equivalent(location.path, store.path(), none))
+    if (!location.name.empty() && detail::IsSameFile(location.path, std::nullopt, store.path(), std::nullopt))
       names.push_back(location.name);
   }
   return names;
@@ -53,13 +53,14 @@ void MapsToAlign::AddLikely(Store& of, const std::vector<std::string>& inputs, c
     ReadOptions read = options;
     read.selection.map = map.map;
     try {
-      AddMaps(std::make_shared<const Atlas>(of.Load(map.atlas, read)), of.path() + "#" + map.atlas, *this);
+      AddMaps(std::make_shared<const Atlas>(of.Load(map.atlas, read)), Location(of.path(), map.atlas).ToString(),
+              *this);
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kDamaged) throw;
       notices.Warn(std::string("not compared: ") + error.what());
     }
   }
-  store = {of.path(), likely.unlike, likely.unknown};
+  store = {detail::WithoutPassword(of.path()), likely.unlike, likely.unknown};
 }
 
 AlignedMaps MapsToAlign::Align(const AlignOptions& options) const {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/store/store.h"
@@ -15,7 +16,7 @@ namespace {
 std::string NameOfAtlas(const Location& input) {
   std::error_code missing;
   if (!input.name.empty()) return WithoutRevision(input).name;
-  if (!std::filesystem::is_regular_file(input.path, missing)) return {};
+  if (!input.is_server() && !std::filesystem::is_regular_file(input.path, missing)) return {};
   const Format* format = FindFormatOfInput(input);
   if (format == nullptr || !format->named) return StemOf(input.path);
   const std::vector<std::string> names = Store::Open(input.path).Names();
@@ -25,6 +26,7 @@ std::string NameOfAtlas(const Location& input) {
 }  // namespace
 
 std::string SuffixOf(const std::string& path) {
+  if (detail::IsServer(path)) return {};
   std::string found = std::filesystem::path(path).extension().string();
   for (const Format& format : Formats())
     for (const std::string_view suffix : format.suffixes)
@@ -33,6 +35,7 @@ std::string SuffixOf(const std::string& path) {
 }
 
 std::string StemOf(const std::string& path) {
+  if (detail::IsServer(path)) return detail::NameOfDatabase(path);
   const std::string name = std::filesystem::path(path).filename().string();
   return name.substr(0, name.size() - SuffixOf(name).size());
 }

@@ -15,6 +15,7 @@
 #include "slamdb/base/atomic_file.h"
 #include "slamdb/base/atomic_folder.h"
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/file_size.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/output_name.h"
 #include "slamdb/formats/formats.h"
@@ -31,7 +32,7 @@ constexpr const char* kIndex = "index.html";
 
 bool IsFolder(const std::string& path) {
   std::error_code ignored;
-  return fs::is_directory(path, ignored);
+  return !detail::IsServer(path) && fs::is_directory(path, ignored);
 }
 
 std::string Lower(std::string text) {
@@ -72,9 +73,8 @@ std::map<std::string, std::uint64_t> SizesOf(const std::vector<AtlasInput>& inpu
   std::set<std::string> stores;
   for (const AtlasInput& input : inputs) {
     const Location& location = input.location;
-    std::error_code error;
-    const std::uint64_t bytes = fs::file_size(location.path, error);
-    if (location.name.empty() && !error) sizes[location.ToString()] = bytes;
+    const auto bytes = location.name.empty() ? detail::FileSize(location.path) : std::nullopt;
+    if (bytes) sizes[location.ToString()] = *bytes;
     if (location.name.empty() || !HoldsNamedAtlases(location.path) || !stores.insert(location.path).second) continue;
     try {
       for (const StoredAtlas& atlas : Store::Open(location.path).List())
@@ -89,7 +89,7 @@ std::string TitleOf(std::span<const std::string> named) {
   if (named.size() != 1) return detail::Counted(named.size(), "input");
   std::error_code ignored;  // `.` and `maps/` are called as their folder is
   const fs::path name = IsFolder(named.front()) ? fs::canonical(named.front(), ignored).filename() : fs::path();
-  return name.empty() ? named.front() : name.string();
+  return name.empty() ? detail::WithoutPasswords(named.front()) : name.string();
 }
 
 // Where pages go, as they are made: into a folder, or the only one.
@@ -213,7 +213,7 @@ bool Reports::ok() const {
 bool IsOneAtlas(std::span<const std::string> named, const AtlasInputs& found) {
   if (named.size() != 1 || found.atlases.size() != 1) return false;
   const AtlasInput& only = found.atlases.front();
-  return only.atlas != nullptr || (!IsFolder(named.front()) && only.location.ToString() == named.front());
+  return only.atlas != nullptr || (!IsFolder(named.front()) && only.location == Location(named.front()));
 }
 
 std::string WhyNotReportTo(const std::string& output, bool one_atlas) {

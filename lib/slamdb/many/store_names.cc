@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/many/names.h"
 
 namespace slamdb::detail {
@@ -34,6 +35,7 @@ std::string Joined(const Parts& parts, std::size_t count) {
 
 fs::path WholePath(const AtlasInput& input) {
   std::error_code ignored;
+  if (input.location.is_server()) return "/" + DatabaseOfServer(input.location.path);
   return fs::absolute(input.location.path, ignored).lexically_normal();
 }
 

@@ -48,5 +48,16 @@ TEST(Location, PrintsAsItIsParsed) {
   for (const std::string text : {"a.osa", "store.db#office", "-"}) EXPECT_EQ(Location::Parse(text).ToString(), text);
 }
 
+TEST(Location, IsOnAServer) {
+  const Location parsed = Location::Parse("postgresql://u:S3cret@h/db?sslmode=require#lab@3");
+  EXPECT_EQ(parsed, (Location{"postgresql://u:S3cret@h/db?sslmode=require", "lab@3"}));
+  EXPECT_TRUE(parsed.is_server());
+  EXPECT_EQ(parsed.ToString(), "postgresql://u@h/db?sslmode=require#lab@3");
+  EXPECT_EQ(Location::Parse("postgres:///maps"), (Location{"postgres:///maps", ""}));
+  EXPECT_EQ(Location::Parse("postgresql://h"), (Location{"postgresql://h", ""}));
+  EXPECT_EQ(Location::Parse("postgresql://h/db#1.osa"), (Location{"postgresql://h/db", "1.osa"}));
+  EXPECT_FALSE(Location::Parse("postgres.db#a").is_server());
+}
+
 }  // namespace
 }  // namespace slamdb

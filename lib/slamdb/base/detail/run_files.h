@@ -16,6 +16,9 @@ using AtlasName = std::optional<std::string>;
 // two outputs may be one file. Everything that reads a file by its path enters it here, and everything that writes one
 // asks here, so that no verb needs to.
 //
+// A database of a server is entered as a store, and its atlases as such: two URIs of it are one database where their
+// texts tell (DatabaseOfServer). It is no output without the name of an atlas.
+//
 // What SQLite keeps beside a store (`-wal`, `-shm`, `-journal`) is a part of it, and never an output.
 //
 // One list for the process. Nothing is entered or refused before KeepInputs(): a program may well save over what it

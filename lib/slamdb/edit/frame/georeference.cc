@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "slamdb/base/detail/json.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/error.h"
 #include "slamdb/base/file.h"
 
@@ -21,7 +22,7 @@ std::string GeoreferencePath(const std::string& atlas) { return atlas + ".georef
 std::optional<Georeference> FindGeoreference(const std::string& atlas) {
   const std::string path = GeoreferencePath(atlas);
   std::error_code missing;
-  if (!std::filesystem::exists(path, missing)) return std::nullopt;
+  if (detail::IsServer(atlas) || !std::filesystem::exists(path, missing)) return std::nullopt;
   const WholeFile file(path);
   try {
     const detail::Json json = detail::Json::parse(file.text());

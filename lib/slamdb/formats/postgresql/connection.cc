@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/formats/detail/server.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/formats/postgresql/detail/connect.h"
 #include "slamdb/formats/postgresql/detail/encode.h"
 #include "slamdb/formats/postgresql/detail/handles.h"

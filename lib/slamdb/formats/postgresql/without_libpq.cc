@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // In place of what needs libpq, where it is not there: nobody gets a Connection, so nothing else is ever called.
-#include "slamdb/formats/detail/server.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/postgresql/detail/copy_in.h"
 

@@ -2,7 +2,7 @@
 #include "slamdb/formats/store/store.h"
 
 #include "slamdb/base/detail/concat.h"
-#include "slamdb/formats/detail/server.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/formats/postgresql/detail/postgresql_store.h"
 #include "slamdb/formats/rows/detail/revision_names.h"
 #include "slamdb/formats/rows/detail/store_backend.h"

@@ -54,7 +54,7 @@ class Result {
 // All else about connecting is libpq's own: TLS, .pgpass, service files, several hosts, target_session_attrs.
 class Connection {
  public:
-  // `uri` is one that IsServer() takes (formats/detail/server.h).
+  // `uri` is one that IsServer() takes (base/detail/server.h).
   // Throws Error: a URI that libpq does not read, no server, no such database, not let in. Messages never hold a
   // password.
   explicit Connection(const std::string& uri, const ConnectionOptions& options = {});

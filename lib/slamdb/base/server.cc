@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/base/detail/server.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <optional>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
+#include "slamdb/base/error.h"
+
+namespace slamdb::detail {
+namespace {
+
+constexpr std::array<std::string_view, 2> kSchemes = {"postgresql://", "postgres://"};
+constexpr std::array<std::string_view, 5> kSecrets = {"password", "sslpassword", "oauth_client_secret",
+                                                      "scram_client_key", "scram_server_key"};
+
+constexpr std::array<std::string_view, 2> kWords = {"postgresql:", "postgres:"};  // that schemes begin with
+constexpr std::string_view kDefaultPort = ":5432";
+
+bool IsSameLetter(char one, char other) {
+  return std::tolower(static_cast<unsigned char>(one)) == std::tolower(static_cast<unsigned char>(other));
+}
+
+// How many bytes the scheme has, also one that is mistyped: in capitals, or with too few slashes; 0: it is none of
+// ours.
+std::size_t SchemeOf(std::string_view uri) {
+  for (const std::string_view word : kWords)
+    if (std::ranges::equal(uri.substr(0, word.size()), word, IsSameLetter))
+      return std::min(uri.find_first_not_of('/', word.size()), std::min(uri.size(), word.size() + 2));
+  return 0;
+}
+
+// True when a host of `host:port,host:port` has a port that is no number.
+bool HasOddPort(std::string_view hosts) {
+  while (!hosts.empty()) {
+    const std::string_view host = hosts.substr(0, hosts.find(','));
+    hosts.remove_prefix(std::min(host.size() + 1, hosts.size()));
+    const std::size_t bracket = host.rfind(']');  // of an address of IPv6
+    const std::size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
+    if (colon != std::string_view::npos && host.find_first_not_of("0123456789", colon + 1) != std::string_view::npos)
+      return true;
+  }
+  return false;
+}
+
+// Where the `@` is that ends `user:password@`; npos: there are no credentials. `rest` is what follows the scheme.
+std::size_t EndOfCredentials(std::string_view rest) {
+  const std::size_t slash = rest.find('/');
+  const std::size_t at = rest.find('@');
+  if (at < slash) return rest.substr(0, rest.find_first_of("/?", at)).rfind('@');
+  const bool is_odd = at != std::string_view::npos && HasOddPort(rest.substr(0, slash));  // `user:pass/word@host`
+  return is_odd ? rest.substr(0, rest.find('?', at)).rfind('@') : std::string_view::npos;
+}
+
+std::optional<unsigned> HexDigit(char letter) {
+  if (letter >= '0' && letter <= '9') return letter - '0';
+  const char lower = static_cast<char>(letter | 0x20);
+  return lower >= 'a' && lower <= 'f' ? std::optional<unsigned>(lower - 'a' + 10) : std::nullopt;
+}
+
+std::string PercentDecoded(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool has_two = text[i] == '%' && i + 2 < text.size();
+    const std::optional<unsigned> high = has_two ? HexDigit(text[i + 1]) : std::nullopt;
+    const std::optional<unsigned> low = has_two ? HexDigit(text[i + 2]) : std::nullopt;
+    if (high && low) i += 2;
+    out += high && low ? static_cast<char>(*high << 4U | *low) : text[i];
+  }
+  return out;
+}
+
+// The parameters but the secret ones: `?a=b&password=c` is `?a=b`.
+std::string PublicParameters(std::string_view query) {
+  std::string out;
+  while (!query.empty()) {
+    const std::string_view parameter = query.substr(1, query.find('&', 1) - 1);  // behind `?` or `&`
+    const std::string key = PercentDecoded(parameter.substr(0, parameter.find('=')));
+    if (std::ranges::find(kSecrets, key) == kSecrets.end()) (out += out.empty() ? '?' : '&') += parameter;
+    query.remove_prefix(1 + parameter.size());
+  }
+  return out;
+}
+
+// What a URI is made of, as it stands there.
+struct Parts {
+  std::string_view user, hosts, database, query;
+};
+
+Parts PartsOf(std::string_view uri) {
+  std::string_view rest = uri.substr(SchemeOf(uri));
+  Parts parts;
+  const std::size_t query = std::min(rest.find('?'), rest.size());
+  parts.query = rest.substr(query);
+  if (const std::size_t end = EndOfCredentials(rest); end != std::string_view::npos) {
+    parts.user = rest.substr(0, std::min(rest.find(':'), end));
+    rest.remove_prefix(end + 1);
+  }
+  rest.remove_suffix(parts.query.size());
+  const std::size_t slash = std::min(rest.find('/'), rest.size());
+  parts.hosts = rest.substr(0, slash);
+  parts.database = rest.substr(std::min(slash + 1, rest.size()));
+  return parts;
+}
+
+// The last of a name in a query, as libpq takes it.
+std::optional<std::string> Parameter(std::string_view query, std::string_view name) {
+  std::optional<std::string> found;
+  while (!query.empty()) {
+    const std::string_view parameter = query.substr(1, query.find('&', 1) - 1);
+    const std::size_t is = std::min(parameter.find('='), parameter.size());
+    if (PercentDecoded(parameter.substr(0, is)) == name)
+      found = PercentDecoded(parameter.substr(std::min(is + 1, parameter.size())));
+    query.remove_prefix(1 + parameter.size());
+  }
+  return found;
+}
+
+// `a,b:1` is `a:5432,b:1`.
+std::string WithPorts(std::string_view hosts) {
+  std::string out;
+  for (const std::string_view host : Split(hosts, ',')) {
+    if (!out.empty()) out += ',';
+    const std::size_t bracket = host.rfind(']');
+    const bool has_port = host.find(':', bracket == std::string_view::npos ? 0 : bracket) != std::string_view::npos;
+    for (const char letter : host) out += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    out += has_port ? "" : kDefaultPort;
+  }
+  return out;
+}
+
+}  // namespace
+
+bool IsServer(std::string_view path) {
+  return std::ranges::any_of(kSchemes, [&](std::string_view scheme) { return path.starts_with(scheme); });
+}
+
+std::size_t FindUri(std::string_view text, std::size_t from) {
+  constexpr std::string_view kWord = "postgres";
+  while (from < text.size()) {
+    const auto found = std::search(text.begin() + static_cast<std::ptrdiff_t>(from), text.end(), kWord.begin(),
+                                   kWord.end(), IsSameLetter);
+    from = static_cast<std::size_t>(found - text.begin());
+    if (SchemeOf(text.substr(from)) > 0) return from;
+    ++from;
+  }
+  return std::string_view::npos;
+}
+
+std::size_t NameBehind(std::string_view uri) {
+  const std::size_t hash = uri.rfind('#'), begin = SchemeOf(uri);
+  const std::size_t slash = uri.find('/', begin), colon = uri.find(':', begin), at = uri.find('@', begin);
+  const bool is_among_hosts = colon < hash && hash < slash && uri.find('@', hash) != std::string_view::npos;
+  const bool is_of_password = is_among_hosts && (at > hash || slash != std::string_view::npos);  // names have no slash
+  return is_of_password ? std::string_view::npos : hash;
+}
+
+std::string WithoutPassword(std::string_view uri) {
+  const std::size_t scheme = SchemeOf(uri);
+  if (scheme == 0) return std::string(uri);
+  std::string_view rest = uri.substr(scheme);
+  std::string out(uri.substr(0, scheme));
+  if (const std::size_t end = EndOfCredentials(rest); end != std::string_view::npos) {
+    out += rest.substr(0, std::min(rest.find_first_of(":?"), end));
+    rest.remove_prefix(end);
+  }
+  const std::size_t query = std::min(rest.find('?'), rest.size());
+  out += rest.substr(0, query);
+  return out + PublicParameters(rest.substr(query));
+}
+
+std::string WithoutPasswords(std::string text) {
+  constexpr std::string_view kEnds = " \t\r\n\"", kPunctuation = "'\"`,;.:)";
+  for (std::size_t at = FindUri(text); at != std::string::npos; at = FindUri(text, at + 1)) {
+    std::string_view uri = std::string_view(text).substr(at);
+    uri = uri.substr(0, uri.find_first_of(kEnds));
+    uri = uri.substr(0, uri.find_last_not_of(kPunctuation) + 1);
+    const std::size_t name = std::min(NameBehind(uri), uri.size());
+    text.replace(at, name, WithoutPassword(uri.substr(0, name)));
+  }
+  return text;
+}
+
+std::string NameOfDatabase(std::string_view uri) {
+  const Parts parts = PartsOf(uri);
+  std::string name = Parameter(parts.query, "dbname").value_or(PercentDecoded(parts.database));
+  return name.empty() ? Parameter(parts.query, "user").value_or(PercentDecoded(parts.user)) : name;
+}
+
+std::string DatabaseOfServer(std::string_view uri) {
+  const Parts parts = PartsOf(uri);
+  std::string hosts = Parameter(parts.query, "host").value_or(std::string(parts.hosts));
+  if (const auto port = Parameter(parts.query, "port")) hosts += ":" + *port;
+  return WithPorts(hosts) + "/" + NameOfDatabase(uri);
+}
+
+void RefuseMistypedServer(const std::string& path) {
+  const std::size_t scheme = SchemeOf(path);
+  std::error_code missing;
+  if (scheme == 0 || IsServer(path) || std::filesystem::exists(path, missing)) return;
+  throw Error(ErrorKind::kUsage, path, "",
+              Concat("is neither a file nor the URI of a server, which begins with postgresql:// and reads "
+                     "postgresql://USER@HOST/DATABASE#NAME, or postgresql:///DATABASE#NAME of one on this machine"));
+}
+
+void RequireFile(const std::string& path) {
+  if (IsServer(path))
+    throw Error(ErrorKind::kUsage, path, "", "is a database of a server, where a file is expected; name a file");
+}
+
+void RefuseOnServer(const std::string& path, std::string_view instead) {
+  if (IsServer(path))
+    throw Error(ErrorKind::kNotPossible, path, "",
+                Concat("is a database of a server, and no file of SQLite: ", instead));
+}
+
+}  // namespace slamdb::detail
