@@ -60,24 +60,6 @@ void ReadRevision(const Statement& row, int column, HistoryEntry& entry) {
     *count = Unsigned(row, column++);
 }
 
-std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
-  const auto sum = [&](const char* bytes, const char* table, const char* key) {
-    Statement statement(database,
-                        std::string("SELECT sum(") + bytes + ") FROM map JOIN " + table + " ON " + key +
-                            " BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 WHERE map.atlas = ?1",
-                        std::string("table ") + table);
-    return statement.Bind(1, atlas).Step() ? Unsigned(statement, 0) : 0;
-  };
-  Statement counts(database, "SELECT points, observations FROM atlas WHERE row = ?1", "table atlas");
-  counts.Bind(1, atlas).Step();
-  return {{"features", sum("length(points) + (SELECT length(columns) FROM picture WHERE picture.row = picture)",
-                           "keyframe_features", "keyframe_features.keyframe")},
-          {"keyframes", sum("length(details)", "keyframe", "keyframe.row")},
-          {"points", Unsigned(counts, 0) * kPointBytes},
-          {"observations", Unsigned(counts, 1) * kObservationBytes},
-          {"landmarks", sum("length(features) + 144", "landmark", "landmark.row")}};
-}
-
 // Of the history and its revisions, as ReadEntry takes them.
 constexpr std::string_view kEntries =
     "SELECT at, tool, action, coalesce(history.atlas, ''), provenance, maps, keyframes, points, observations, "
@@ -100,6 +82,24 @@ HistoryEntry ReadEntry(const Statement& statement) {
 }
 
 }  // namespace
+
+std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
+  const auto sum = [&](const char* bytes, const char* table, const char* key) {
+    Statement statement(database,
+                        std::string("SELECT sum(") + bytes + ") FROM map JOIN " + table + " ON " + key +
+                            " BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 WHERE map.atlas = ?1",
+                        std::string("table ") + table);
+    return statement.Bind(1, atlas).Step() ? Unsigned(statement, 0) : 0;
+  };
+  Statement counts(database, "SELECT points, observations FROM atlas WHERE row = ?1", "table atlas");
+  counts.Bind(1, atlas).Step();
+  return {{"features", sum("length(points) + (SELECT length(columns) FROM picture WHERE picture.row = picture)",
+                           "keyframe_features", "keyframe_features.keyframe")},
+          {"keyframes", sum("length(details)", "keyframe", "keyframe.row")},
+          {"points", Unsigned(counts, 0) * kPointBytes},
+          {"observations", Unsigned(counts, 1) * kObservationBytes},
+          {"landmarks", sum("length(features) + 144", "landmark", "landmark.row")}};
+}
 
 std::vector<HistoryEntry> ReadHistory(Database& database, const std::string& name) {
   Statement statement(database, detail::Concat(kEntries, "?1 = '' OR history.atlas = ?1 ORDER BY history.row"),
