@@ -223,7 +223,7 @@ class Syncer {
 
   void Bring(SyncedAtlas& atlas, RevisionChain& first, RevisionChain& second) {
     if (first.links.empty() && second.links.empty())
-      throw Error(ErrorKind::kNotFound, "",
+      throw Error(ErrorKind::kNotFound,
                   Concat("neither ", report_.first, " nor ", report_.second, " has an atlas named '", atlas.name, "'"));
     const detail::Compared compared = detail::Compare(first, second);
     using enum detail::Compared::State;
