@@ -9,6 +9,7 @@
 
 #include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/postgresql/detail/encode.h"
+#include "slamdb/formats/rows/stored.h"
 
 // The schema of the store in PostgreSQL: schema/postgresql/*.sql.
 namespace slamdb::postgresql {
@@ -45,5 +46,8 @@ int VersionOf(Connection& connection);
 void CheckIsStore(Connection& connection);
 // Makes the store where the database has none. Others who do the same are waited for.
 void MakeStore(Connection& connection, int partitions = 1);
+
+// MigrateStore (formats/store/store.h).
+MigrateReport Migrate(const std::string& uri, const MigrateOptions& options);
 
 }  // namespace slamdb::postgresql
