@@ -477,7 +477,7 @@ INSTANTIATE_TEST_SUITE_P(All, LoadOntoTest,
                          });
 
 TEST_P(LoadOntoTest, GivesTheRevisionWhateverTheBaseHolds) {
-  Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kStereo, .maps = 2, .keyframes = 8, .points = 200, .features = 80});
+  Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kStereo, .maps = 2, .keyframes = 8, .points = 200, .features = 160});
   std::vector<Atlas> saved;
   for (int i = 1; i <= 5; ++i) {
     if (i > 1) Change(atlas, i);

@@ -316,7 +316,7 @@ class Syncer {
     for (const RevisionChain::Tag& tag : first.tags)
       if (!Has(branch, tag) && detail::NumberOf(second, {tag.number, detail::HashOf(first, tag.number)}) == 0)
         BringTag(atlas, tag, line, branch, second_);
-    branches_.insert(atlas.branch);
+    if (!atlas.revisions.empty()) branches_.insert(atlas.branch);
     atlas.result = SyncResult::kBranched;
   }
 
@@ -357,7 +357,7 @@ class Syncer {
   const SyncOptions& options_;
   Side first_, second_;
   const std::set<std::string> names_;
-  std::set<std::string> branches_;         // names that diverged revisions came to have in the second
+  std::set<std::string> branches_;         // names in the second that diverged revisions were copied to just now
   SyncedAtlas current_;                    // while it is at work on one
   std::string done_;                       // the last name that is done
   int tries_ = 0;                          // since something was copied
