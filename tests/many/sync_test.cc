@@ -131,16 +131,16 @@ class SyncTest : public ::testing::TestWithParam<Pair> {
   int paths_ = 0;
 };
 
+std::string NameOfPair(const ::testing::TestParamInfo<Pair>& each) {
+  const auto name = [](Keeper keeper) { return std::string(keeper == Keeper::kFile ? "File" : "Server"); };
+  return name(each.param.first) + "And" + name(each.param.second);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SyncTest,
                          ::testing::Values(Pair{Keeper::kFile, Keeper::kFile}, Pair{Keeper::kFile, Keeper::kServer},
                                            Pair{Keeper::kServer, Keeper::kFile},
                                            Pair{Keeper::kServer, Keeper::kServer}),
-                         [](const auto& each) {
-                           const auto name = [](Keeper keeper) {
-                             return std::string(keeper == Keeper::kFile ? "File" : "Server");
-                           };
-                           return name(each.param.first) + "And" + name(each.param.second);
-                         });
+                         NameOfPair);
 
 TEST_P(SyncTest, BothComeToHaveWhatEitherHas) {
   SaveSome(first_, "a", 4);
@@ -281,9 +281,7 @@ class DivergedTest : public SyncTest {
 };
 INSTANTIATE_TEST_SUITE_P(All, DivergedTest,
                          ::testing::Values(Pair{Keeper::kFile, Keeper::kFile}, Pair{Keeper::kFile, Keeper::kServer}),
-                         [](const auto& each) {
-                           return std::string(each.param.second == Keeper::kFile ? "FileAndFile" : "FileAndServer");
-                         });
+                         NameOfPair);
 
 TEST_P(DivergedTest, StaysAsItIs) {
   const auto first = LogOf(first_, "a"), second = LogOf(second_, "a");
@@ -449,7 +447,12 @@ TEST_P(SyncTest, GoesOnAfterItWasKilled) {
   ExpectNothingToDo();
 }
 
-TEST_P(SyncTest, PagesOfNames) {
+class PagesTest : public SyncTest {};
+INSTANTIATE_TEST_SUITE_P(All, PagesTest,
+                         ::testing::Values(Pair{Keeper::kFile, Keeper::kFile}, Pair{Keeper::kFile, Keeper::kServer}),
+                         NameOfPair);
+
+TEST_P(PagesTest, OfMoreAtlasesThanAreComparedAtOnce) {
   const Atlas atlas = SynthesizeAtlas({.keyframes = 2, .points = 5, .features = 8});
   // More than a page in the first, and some that only the second has, before, between and behind.
   {
@@ -472,9 +475,7 @@ TEST_P(SyncTest, PagesOfNames) {
 class LoadOntoTest : public SyncTest {};
 INSTANTIATE_TEST_SUITE_P(All, LoadOntoTest,
                          ::testing::Values(Pair{Keeper::kFile, Keeper::kFile}, Pair{Keeper::kServer, Keeper::kServer}),
-                         [](const auto& each) {
-                           return std::string(each.param.first == Keeper::kFile ? "File" : "Server");
-                         });
+                         NameOfPair);
 
 TEST_P(LoadOntoTest, GivesTheRevisionWhateverTheBaseHolds) {
   Atlas atlas = SynthesizeAtlas({.sensor = Sensor::kStereo, .maps = 2, .keyframes = 8, .points = 200, .features = 160});
