@@ -10,6 +10,7 @@
 #include "cli/report/layout.h"
 #include "cli/values.h"
 #include "cli/words.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/detail/visible.h"
 
 namespace slamdb::cli {
@@ -28,8 +29,8 @@ class Lines {
   Lines(const SyncVerbOptions& options, Console& console)
       : options_(options),
         console_(console),
-        first_(Location::Parse(options.first).ToString()),
-        second_(Location::Parse(options.second).ToString()) {}
+        first_(detail::WithoutPassword(options.first)),
+        second_(detail::WithoutPassword(options.second)) {}
 
   void Print(const SyncedAtlas& atlas) {
     Warn(atlas);
