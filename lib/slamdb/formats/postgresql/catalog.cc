@@ -204,6 +204,9 @@ std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas) {
         Concat("SELECT coalesce(sum(", bytes, "), 0)::bigint FROM ", from, ".atlas = $1 AND until = 2147483647"),
         {atlas}));
   };
+  const Result counts =
+      connection.Query("SELECT points, observations FROM atlas WHERE row = $1", {atlas}, "table atlas");
+  if (counts.rows() == 0) return {};
   return {
       {"features", sum("octet_length(points) + octet_length(columns)",
                        "keyframe_features JOIN picture ON picture.atlas = keyframe_features.atlas AND picture.hash = "
