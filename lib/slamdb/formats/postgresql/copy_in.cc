@@ -10,13 +10,27 @@
 namespace slamdb::postgresql {
 namespace {
 
-std::string PlaceOf(const std::string& target) { return "table " + target.substr(0, target.find(' ')); }
+std::string TableOf(const std::string& target) { return target.substr(0, target.find(' ')); }
+
+// `(a, b)` of `table (a, b)`.
+std::string ColumnsOf(const std::string& target) { return target.substr(target.find('(')); }
+
+// `a, b` of the same.
+std::string WithoutParentheses(const std::string& columns) { return columns.substr(1, columns.size() - 2); }
 
 }  // namespace
 
 CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types)
-    : connection_(connection), place_(PlaceOf(target)), encoder_({connection.path(), place_}, std::move(types)) {
-  const std::string sql = "COPY " + target + " FROM STDIN (FORMAT binary)";
+    : connection_(connection),
+      target_(target),
+      place_("table " + TableOf(target)),
+      is_staged_(connection.has_row_security()),
+      encoder_({connection.path(), place_}, std::move(types)) {
+  const std::string columns = ColumnsOf(target);
+  if (is_staged_)
+    connection.Execute("CREATE TEMPORARY TABLE staged ON COMMIT DROP AS SELECT " + WithoutParentheses(columns) +
+                       " FROM " + TableOf(target) + " WITH NO DATA");
+  const std::string sql = "COPY " + (is_staged_ ? "staged " + columns : target) + " FROM STDIN (FORMAT binary)";
   const ResultHandle result(PQexec(connection.handle(), sql.c_str()));
   if (PQresultStatus(result.get()) != PGRES_COPY_IN) throw connection.Failure(result.get(), place_);
   is_open_ = true;
@@ -60,6 +74,11 @@ std::int64_t CopyIn::Finish() {
     throw error;
   }
   Drain(connection_.handle());
+  if (is_staged_) {
+    const std::string columns = WithoutParentheses(ColumnsOf(target_));
+    connection_.Query("INSERT INTO " + target_ + " SELECT " + columns + " FROM staged", {}, place_);
+    connection_.Execute("DROP TABLE staged");
+  }
   return ChangedRows(result.get());
 }
 

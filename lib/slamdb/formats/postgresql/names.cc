@@ -77,21 +77,27 @@ std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, con
   return rows::KeptOf(all, options);
 }
 
-// Deletes what only revisions have that go. Returns how many pictures went.
-std::uint64_t GiveUpAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
-  for (const Versioned& each : VersionedTables())
-    connection.Query(
+// Deletes what only revisions have that go.
+void GiveUpAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept,
+                  GiveUpReport& report) {
+  constexpr std::uint64_t kRowBytes = 200;  // about
+  for (const Versioned& each : VersionedTables()) {
+    const Result rows = connection.Query(
         Concat("DELETE FROM ", each.table,
-               " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM unnest($2::bigint[]) AS "
-               "kept (number) WHERE since <= kept.number AND kept.number < until)"),
+               " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM "
+               "unnest($2::bigint[]) AS kept (number) WHERE since <= kept.number AND kept.number < until)"),
         {atlas, std::span(kept)}, Concat("table ", each.table));
+    report.bytes += kRowBytes * static_cast<std::uint64_t>(rows.changed());
+  }
   connection.Query("DELETE FROM revision WHERE atlas = $1 AND number <> ALL ($2::bigint[])", {atlas, std::span(kept)},
                    "table revision");
   const Result pictures = connection.Query(
-      "DELETE FROM picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE "
-      "keyframe_features.atlas = $1 AND keyframe_features.picture = picture.hash)",
+      "WITH gone AS (DELETE FROM picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE "
+      "keyframe_features.atlas = $1 AND keyframe_features.picture = picture.hash) RETURNING octet_length(columns) AS "
+      "bytes) SELECT count(*), coalesce(sum(bytes), 0)::bigint FROM gone",
       {atlas}, "table picture");
-  return static_cast<std::uint64_t>(pictures.changed());
+  report.pictures += static_cast<std::uint64_t>(pictures[0].Integer(0));
+  report.bytes += static_cast<std::uint64_t>(pictures[0].Integer(1));
 }
 
 }  // namespace
@@ -180,7 +186,7 @@ GiveUpReport GiveUp(Connection& connection, const std::string& atlas, const Give
     std::vector<std::int64_t> gone;
     std::ranges::set_difference(NumbersOf(connection, named.atlas), kept, std::back_inserter(gone));
     report.atlases.push_back({name, {gone.begin(), gone.end()}, kept.size()});
-    if (!gone.empty() && !kept.empty()) report.pictures += GiveUpAllBut(connection, named.atlas, kept);
+    if (!gone.empty() && !kept.empty()) GiveUpAllBut(connection, named.atlas, kept, report);
   }
   return report;
 }

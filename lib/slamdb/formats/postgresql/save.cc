@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/formats/postgresql/detail/catalog.h"
 #include "slamdb/formats/postgresql/detail/names.h"
 #include "slamdb/formats/rows/detail/keyframe_row.h"
@@ -113,7 +114,7 @@ void SaveCameras(SaveContext& context, const Atlas& atlas, const AtlasHashes& ha
                                {context.atlas}, "table camera");
   for (std::size_t i = 0; i < found.rows(); ++i) stored.push_back(found[i].Integer(0));
   TableChanges& changes = context.changes["camera"];
-  if (stored == hashes.cameras) {
+  if (stored == hashes.cameras && !context.rewrites) {
     changes.unchanged += stored.size();
     return;
   }
@@ -202,9 +203,9 @@ void RemoveMap(SaveContext& context, std::int64_t map) {
 }
 
 // Ends the maps that are in the atlas no more. Returns the stored map of each map of the atlas, with row 0 for none.
-std::vector<rows::StoredMap> MatchMaps(SaveContext& context, const Atlas& atlas, bool rewrite) {
+std::vector<rows::StoredMap> MatchMaps(SaveContext& context, const Atlas& atlas) {
   std::vector<rows::StoredMap> stored = ReadStoredMaps(context);
-  if (!rewrite && !stored.empty())
+  if (!context.rewrites && !stored.empty())
     context.connection.CopyOut(
         Concat("SELECT row, id, timestamp FROM keyframe WHERE atlas = ", context.atlas, " AND until = ", kNewest,
                " AND timestamp IS NOT NULL"),
@@ -214,7 +215,7 @@ std::vector<rows::StoredMap> MatchMaps(SaveContext& context, const Atlas& atlas,
         },
         "table keyframe");
   std::vector<rows::StoredMap> matched(atlas.maps.size());
-  if (!rewrite) {
+  if (!context.rewrites) {
     const std::vector<const rows::StoredMap*> match = rows::MatchMaps(atlas, stored);
     for (std::size_t i = 0; i < match.size(); ++i)
       if (match[i] != nullptr) matched[i] = *match[i];
@@ -323,8 +324,8 @@ std::vector<std::int64_t> NumbersOfMaps(SaveContext& context, const std::vector<
   return numbers;
 }
 
-void SaveContent(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes, bool rewrite) {
-  const std::vector<rows::StoredMap> stored = MatchMaps(context, atlas, rewrite);
+void SaveContent(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
+  const std::vector<rows::StoredMap> stored = MatchMaps(context, atlas);
   const std::vector<std::int64_t> numbers = NumbersOfMaps(context, stored);
   const std::vector<StoredLists> lists =
       context.is_new ? std::vector<StoredLists>(numbers.size()) : ReadStoredLists(context, numbers);
@@ -351,9 +352,11 @@ std::int64_t Record(SaveContext& context, const std::string& name, const AtlasSu
   }
   const auto number = [](std::uint64_t value) { return Parameter(static_cast<std::int64_t>(value)); };
   const MapChanges& map = context.map;
+  // File names in it may be any bytes, which a text of PostgreSQL may not.
+  const std::string provenance = detail::Visible(context.options.provenance);
   const std::optional<Recorded>& recorded = context.options.recorded;
-  std::vector<Parameter> parameters{recorded ? recorded->tool : rows::ToolName(), name, context.options.provenance,
-                                    recorded ? recorded->who : rows::Who(), hash};
+  std::vector<Parameter> parameters{recorded ? detail::Visible(recorded->tool) : rows::ToolName(), name, provenance,
+                                    recorded ? detail::Visible(recorded->who) : rows::Who(), hash};
   for (const std::uint64_t count : {summary.maps, summary.keyframes, summary.points, summary.observations,
                                     rows.inserted, rows.updated, rows.deleted, rows.unchanged})
     parameters.push_back(number(count));
@@ -434,6 +437,7 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atla
   const std::int64_t hash = hashes.Combined();
   SaveContext context{.connection = connection, .options = options};
   context.is_new = found.rows() == 0;
+  context.rewrites = rewrite;
   if (!context.is_new) context.atlas = found[0].Integer(0);
   const std::int64_t newest = context.is_new ? 0 : found[0].Integer(1);
   context.revision = rows::NextNumber(connection.path(), options.recorded, newest);
@@ -447,7 +451,7 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atla
   } else {
     SaveAtlasRow(context, name, hash, summary);
     ++(context.is_new ? context.changes["atlas"].inserted : context.changes["atlas"].updated);
-    SaveContent(context, atlas, hashes, rewrite);
+    SaveContent(context, atlas, hashes);
     SaveBytes(context);
   }
   const std::int64_t history = Record(context, name, summary, hash, report.unchanged);

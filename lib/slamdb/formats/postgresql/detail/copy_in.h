@@ -18,7 +18,8 @@ namespace slamdb::postgresql {
 //   copy.Finish();
 class CopyIn {
  public:
-  // `target` is `table (column, ...)`; `types` those of the columns.
+  // `target` is `table (column, ...)`; `types` those of the columns. Where row-level security counts, which COPY does
+  // not know, rows go through a temporary table.
   CopyIn(Connection& connection, const std::string& target, std::vector<Type> types);
   ~CopyIn();
   CopyIn(const CopyIn&) = delete;
@@ -53,7 +54,8 @@ class CopyIn {
   [[noreturn]] void ThrowFailure();
 
   Connection& connection_;
-  std::string place_;
+  std::string target_, place_;
+  bool is_staged_ = false;
   RowEncoder encoder_;
   bool is_open_ = false;
 };
