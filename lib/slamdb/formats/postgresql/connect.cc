@@ -162,4 +162,20 @@ pg_conn* Connect(const std::string& uri, const std::string& path, const Connecti
   return connection.release();
 }
 
+std::map<std::string, std::string> ParametersOf(const Connection& connection, const std::string& uri) {
+  Settings parameters;
+  const OptionsHandle options(PQconninfoParse(uri.c_str(), nullptr));
+  for (const PQconninfoOption* option = options.get(); option != nullptr && option->keyword != nullptr; ++option)
+    if (option->val != nullptr && *option->val != 0) parameters[option->keyword] = option->val;
+  pg_conn* handle = connection.handle();
+  const auto add = [&](const char* name, const char* value) {
+    if (value != nullptr && *value != 0) parameters.emplace(name, value);
+  };
+  add("host", PQhost(handle));
+  add("port", PQport(handle));
+  add("dbname", PQdb(handle));
+  add("user", PQuser(handle));
+  return parameters;
+}
+
 }  // namespace slamdb::postgresql

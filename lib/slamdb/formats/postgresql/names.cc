@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
 
@@ -77,21 +78,28 @@ std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, con
   return rows::KeptOf(all, options);
 }
 
-// Deletes what only revisions have that go. Returns how many pictures went.
-std::uint64_t GiveUpAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
+// Deletes what only revisions have that are not kept.
+GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
+  GivenUpRows deleted;
   for (const Versioned& each : VersionedTables())
-    connection.Query(
-        Concat("DELETE FROM ", each.table,
-               " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM unnest($2::bigint[]) AS "
-               "kept (number) WHERE since <= kept.number AND kept.number < until)"),
-        {atlas, std::span(kept)}, Concat("table ", each.table));
-  connection.Query("DELETE FROM revision WHERE atlas = $1 AND number <> ALL ($2::bigint[])", {atlas, std::span(kept)},
-                   "table revision");
+    deleted.rows += static_cast<std::uint64_t>(
+        connection
+            .Query(Concat("DELETE FROM ", each.table,
+                          " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM unnest($2::bigint[]) "
+                          "AS kept (number) WHERE since <= kept.number AND kept.number < until)"),
+                   {atlas, std::span(kept)}, Concat("table ", each.table))
+            .changed());
   const Result pictures = connection.Query(
       "DELETE FROM picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE "
       "keyframe_features.atlas = $1 AND keyframe_features.picture = picture.hash)",
       {atlas}, "table picture");
-  return static_cast<std::uint64_t>(pictures.changed());
+  deleted.pictures = static_cast<std::uint64_t>(pictures.changed());
+  return deleted;
+}
+
+void DeleteRevisionsBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
+  connection.Query("DELETE FROM revision WHERE atlas = $1 AND number <> ALL ($2::bigint[])", {atlas, std::span(kept)},
+                   "table revision");
 }
 
 }  // namespace
@@ -109,6 +117,12 @@ Named Find(Connection& connection, std::string_view text) {
 
 std::vector<std::string> NamesOf(Connection& connection) {
   return Texts(connection.Query("SELECT name FROM atlas ORDER BY name COLLATE \"C\"", {}, "table atlas"));
+}
+
+std::vector<std::string> NamesIn(Connection& connection, std::int64_t partition) {
+  return Texts(connection.Query(Concat("SELECT name FROM atlas WHERE ", IsInPartition("row", "$1::integer"),
+                                       " ORDER BY name COLLATE \"C\""),
+                                {static_cast<std::int32_t>(partition)}, "table atlas"));
 }
 
 bool Has(Connection& connection, const std::string& name) {
@@ -170,9 +184,22 @@ GiveUpReport GiveUp(Connection& connection, const std::string& atlas, const Give
     std::vector<std::int64_t> gone;
     std::ranges::set_difference(NumbersOf(connection, named.atlas), kept, std::back_inserter(gone));
     report.atlases.push_back({name, {gone.begin(), gone.end()}, kept.size()});
-    if (!gone.empty() && !kept.empty()) report.pictures += GiveUpAllBut(connection, named.atlas, kept);
+    if (gone.empty() || kept.empty()) continue;
+    DeleteRevisionsBut(connection, named.atlas, kept);
+    if (!HoldPartition(connection, named.atlas, {}).is_remote)
+      report.pictures += DeleteAllBut(connection, named.atlas, kept).pictures;
   }
   return report;
+}
+
+GivenUpRows DeleteGivenUp(Connection& connection, const std::string& name) {
+  LockAtlas(connection, name, {});
+  const std::optional<Named> named = FindNewest(connection, name);
+  if (!named) return {};
+  const Partition partition = HoldPartition(connection, named->atlas, {});
+  GivenUpRows deleted = DeleteAllBut(connection, named->atlas, NumbersOf(connection, named->atlas));
+  deleted.rows += UndoUnfinished(connection, partition, named->atlas, named->newest);
+  return deleted;
 }
 
 }  // namespace slamdb::postgresql

@@ -65,7 +65,9 @@ class SLAMDB_EXPORT Store {
   const std::string& path() const;
   std::vector<std::string> Names();                             // ascending; without a look at what they name
   std::vector<StoredAtlas> List();                              // by name
-  std::vector<std::string> Find(const MapQuery& query);         // whose atlases match (model/map_query.h), ascending
+  // The atlases that match (model/map_query.h), ascending. Where the server of a partition (postgresql/fleet.h) does
+  // not answer, the others are searched, and the names of its atlases come into `unsearched`; without that, it throws.
+  std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched = nullptr);
   std::vector<HistoryEntry> Log(const std::string& name = {});  // oldest first; empty name: everything
 
   // Which keyframes look like each of some pictures, by what the store keeps beside the atlases: reads none of them.

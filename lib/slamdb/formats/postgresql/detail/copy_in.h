@@ -18,8 +18,14 @@ namespace slamdb::postgresql {
 //   copy.Finish();
 class CopyIn {
  public:
+  enum class Way {
+    kStraight,
+    // By way of a temporary table, out of which Finish() inserts them: for tables on another server, to which COPY
+    // sends row by row before PostgreSQL 16, and INSERT many at once. Inside a transaction only.
+    kInBatches,
+  };
   // `target` is `table (column, ...)`; `types` those of the columns.
-  CopyIn(Connection& connection, const std::string& target, std::vector<Type> types);
+  CopyIn(Connection& connection, const std::string& target, std::vector<Type> types, Way way = Way::kStraight);
   ~CopyIn();
   CopyIn(const CopyIn&) = delete;
   CopyIn& operator=(const CopyIn&) = delete;
@@ -51,8 +57,11 @@ class CopyIn {
   }
   void Send();
   [[noreturn]] void ThrowFailure();
+  void InsertStaged();
 
   Connection& connection_;
+  std::string target_;
+  Way way_;
   std::string place_;
   RowEncoder encoder_;
   bool is_open_ = false;

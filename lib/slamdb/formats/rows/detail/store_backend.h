@@ -25,7 +25,7 @@ class StoreBackend {
   virtual const std::string& path() const = 0;
   virtual std::vector<std::string> Names() = 0;
   virtual std::vector<StoredAtlas> List() = 0;
-  virtual std::vector<std::string> Find(const MapQuery& query) = 0;
+  virtual std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched) = 0;
   virtual std::vector<HistoryEntry> Log(const std::string& name) = 0;
   virtual StoredPlaces PlacesLike(std::span<const std::span<const Descriptor>> pictures,
                                   const PlaceOptions& options) = 0;
