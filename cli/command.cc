@@ -11,16 +11,16 @@ namespace slamdb::cli {
 // The list of verbs. A new verb is a file in commands/, a line in commands/commands.h and a line here.
 std::span<const Command* const> Commands() {
   static constexpr std::array kCommands = {
-      &kInfo,       &kView,     &kShow,     &kDump,           &kPlot,
-      &kReport,     &kCheck,    &kConvert,  &kSynthesize,     &kVocabulary,
-      &kLayouts,    &kExtract,  &kSplit,    &kCull,           &kShrink,
-      &kFragments,  &kAlign,    &kMerge,    &kReassignOrigin, &kRenumber,
-      &kRepair,     &kRecover,  &kEdit,     &kTransform,      &kOptimize,
-      &kCloseLoops, &kDiff,     &kEvaluate, &kLocate,         &kLandmarksCommand,
-      &kAdd,        &kList,     &kLog,      &kRestore,        &kTag,
-      &kBranch,     &kGc,       &kRemove,   &kStats,          &kVacuum,
-      &kBackup,     &kMigrate,  &kFleet,    &kHelp,           &kCompletion,
-      &kVersion,    &kMan,      &kComplete,
+      &kInfo,       &kView,    &kShow,     &kDump,           &kPlot,
+      &kReport,     &kCheck,   &kConvert,  &kSynthesize,     &kVocabulary,
+      &kLayouts,    &kExtract, &kSplit,    &kCull,           &kShrink,
+      &kFragments,  &kAlign,   &kMerge,    &kReassignOrigin, &kRenumber,
+      &kRepair,     &kRecover, &kEdit,     &kTransform,      &kOptimize,
+      &kCloseLoops, &kDiff,    &kEvaluate, &kLocate,         &kLandmarksCommand,
+      &kAdd,        &kList,    &kLog,      &kRestore,        &kTag,
+      &kBranch,     &kGc,      &kRemove,   &kStats,          &kVacuum,
+      &kBackup,     &kMigrate, &kFleet,    &kHelp,           &kCompletion,
+      &kVersion,    &kMan,     &kComplete,
   };
   return kCommands;
 }

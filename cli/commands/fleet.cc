@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/formats/postgresql/fleet.h"
+
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,7 +12,6 @@
 #include "cli/options.h"
 #include "cli/report/layout.h"
 #include "cli/values.h"
-#include "slamdb/formats/postgresql/fleet.h"
 #include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {

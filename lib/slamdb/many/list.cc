@@ -25,7 +25,7 @@ namespace {
 struct StoreRows {
   std::vector<StoredAtlas> atlases;
   std::optional<std::vector<std::string>> matching;  // none: all do
-  std::vector<std::string> unsearched;  // whether these match, their server does not say
+  std::vector<std::string> unsearched;               // whether these match, their server does not say
   std::string failure;
 
   const StoredAtlas* Find(const std::string& name) const {

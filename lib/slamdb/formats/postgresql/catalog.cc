@@ -74,8 +74,8 @@ class Conditions {
     }
     const std::string square = Put(radius * radius);
     const auto has = [&](std::string_view table, std::string_view good) {
-      return Concat("EXISTS (SELECT 1 FROM (SELECT x::float8, y::float8, z::float8 FROM ", partition_.Table(table), " WHERE ", table,
-                    ".atlas = map.atlas AND ", table,
+      return Concat("EXISTS (SELECT 1 FROM (SELECT x::float8, y::float8, z::float8 FROM ", partition_.Table(table),
+                    " WHERE ", table, ".atlas = map.atlas AND ", table,
                     ".row BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 AND ", table, ".until = 2147483647",
                     good, ") AS place WHERE CASE WHEN ", in_box, " THEN ", squares, " <= ", square, " ELSE false END)");
     };
@@ -143,10 +143,10 @@ std::vector<StoredAtlas> ListAtlases(Connection& connection) {
 std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& query, const Partition& partition) {
   if (query.everything()) return NamesOf(connection);
   const Conditions conditions(query, partition);
-  const Result found = connection.Query(
-      Concat("SELECT name FROM atlas WHERE row IN (SELECT map.atlas FROM ", partition.Table("map"),
-             " WHERE map.until = 2147483647", conditions.sql(), ") ORDER BY name COLLATE \"C\""),
-      conditions.parameters(), "table map");
+  const Result found =
+      connection.Query(Concat("SELECT name FROM atlas WHERE row IN (SELECT map.atlas FROM ", partition.Table("map"),
+                              " WHERE map.until = 2147483647", conditions.sql(), ") ORDER BY name COLLATE \"C\""),
+                       conditions.parameters(), "table map");
   std::vector<std::string> names;
   for (std::size_t i = 0; i < found.rows(); ++i) names.emplace_back(found[i].Text(0));
   return names;

@@ -33,16 +33,13 @@ struct Holder {
 
 std::int64_t PartitionsIn(Connection& store) { return store.Integer("SELECT partitions FROM slamdb.store"); }
 
-bool IsReady(Connection& store) {
-  return IsFleet(store) && store.Integer("SELECT ready FROM slamdb.fleet") != 0;
-}
+bool IsReady(Connection& store) { return IsFleet(store) && store.Integer("SELECT ready FROM slamdb.fleet") != 0; }
 
 // The servers of a fleet's partitions.
 std::vector<std::string> LabelsOf(Connection& store) {
   std::vector<std::string> labels;
   for (const Partition& partition : PartitionsOf(store)) {
-    const auto server =
-        partition.is_remote ? ReadForeignServer(store, NameOfServer(partition.number)) : std::nullopt;
+    const auto server = partition.is_remote ? ReadForeignServer(store, NameOfServer(partition.number)) : std::nullopt;
     labels.push_back(server ? server->Label() : std::string());
   }
   return labels;
@@ -51,7 +48,9 @@ std::vector<std::string> LabelsOf(Connection& store) {
 // Throws unless the fleet that is there is what is asked for.
 void CheckIsSame(Connection& store, std::int64_t partitions, const std::vector<Holder>& holders) {
   const std::vector<std::string> labels = LabelsOf(store);
-  const auto has = [&](const Holder& holder) { return std::ranges::find(labels, holder.server.Label()) != labels.end(); };
+  const auto has = [&](const Holder& holder) {
+    return std::ranges::find(labels, holder.server.Label()) != labels.end();
+  };
   if (std::ssize(labels) == partitions && std::ranges::all_of(holders, has)) return;
   throw Error(ErrorKind::kAlreadyExists, store.path(), "",
               Concat("is a fleet of ", labels.size(),
@@ -68,7 +67,8 @@ std::map<std::string_view, std::string> TakePrimaryKeys(Connection& store) {
         "SELECT conname, pg_get_constraintdef(oid) FROM pg_constraint WHERE contype = 'p' AND conrelid = "
         "to_regclass('slamdb.' || $1::text)",
         {table});
-    if (found.rows() == 0) throw Error(ErrorKind::kDamaged, store.path(), Concat("table ", table), "has no primary key");
+    if (found.rows() == 0)
+      throw Error(ErrorKind::kDamaged, store.path(), Concat("table ", table), "has no primary key");
     keys[table] = found[0].Text(1);
     store.Execute(Concat("ALTER TABLE ", table, " DROP CONSTRAINT ", found[0].Text(0)));
   }
@@ -133,7 +133,8 @@ std::vector<Holder> HoldersOf(std::span<const std::string> servers, std::int64_t
   for (const std::string& uri : servers) {
     const Connection remote(uri, {.progress = options.progress});
     Holder& holder = holders.emplace_back(Holder{uri, ForeignServerOf(remote, uri), {}});
-    for (std::int64_t i = std::ssize(holders) - 1; i < partitions; i += std::ssize(servers)) holder.numbers.push_back(i);
+    for (std::int64_t i = std::ssize(holders) - 1; i < partitions; i += std::ssize(servers))
+      holder.numbers.push_back(i);
   }
   return holders;
 }

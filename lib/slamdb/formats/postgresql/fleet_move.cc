@@ -56,7 +56,8 @@ void CopyRows(Connection& store, std::int64_t partition, const FleetOptions& opt
 // the server looks for deadlocks (1 s) is given back, and tried again.
 void LockTables(Connection& store, const FleetOptions& options) {
   std::string tables;
-  for (const std::string_view table : PartitionedTables()) tables += Concat(tables.empty() ? "ONLY " : ", ONLY ", table);
+  for (const std::string_view table : PartitionedTables())
+    tables += Concat(tables.empty() ? "ONLY " : ", ONLY ", table);
   const auto take = [&] {
     store.Execute("SAVEPOINT readers; SET LOCAL lock_timeout TO '300ms'");
     try {

@@ -84,10 +84,11 @@ GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::
   for (const Versioned& each : VersionedTables())
     deleted.rows += static_cast<std::uint64_t>(
         connection
-            .Query(Concat("DELETE FROM ", each.table,
-                          " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM unnest($2::bigint[]) "
-                          "AS kept (number) WHERE since <= kept.number AND kept.number < until)"),
-                   {atlas, std::span(kept)}, Concat("table ", each.table))
+            .Query(
+                Concat("DELETE FROM ", each.table,
+                       " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM unnest($2::bigint[]) "
+                       "AS kept (number) WHERE since <= kept.number AND kept.number < until)"),
+                {atlas, std::span(kept)}, Concat("table ", each.table))
             .changed());
   const Result pictures = connection.Query(
       "DELETE FROM picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE "
@@ -120,9 +121,9 @@ std::vector<std::string> NamesOf(Connection& connection) {
 }
 
 std::vector<std::string> NamesIn(Connection& connection, std::int64_t partition) {
-  return Texts(connection.Query(Concat("SELECT name FROM atlas WHERE ", IsInPartition("row", "$1::integer"),
-                                       " ORDER BY name COLLATE \"C\""),
-                                {static_cast<std::int32_t>(partition)}, "table atlas"));
+  return Texts(connection.Query(
+      Concat("SELECT name FROM atlas WHERE ", IsInPartition("row", "$1::integer"), " ORDER BY name COLLATE \"C\""),
+      {static_cast<std::int32_t>(partition)}, "table atlas"));
 }
 
 bool Has(Connection& connection, const std::string& name) {

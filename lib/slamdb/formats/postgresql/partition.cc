@@ -18,7 +18,8 @@ void Lock(Connection& connection, std::int64_t number, std::string_view function
       [&] {
         return connection.Integer(Concat("SELECT ", function, "(", kPartitionLocks, ", $1::integer)"), {number}) != 0;
       },
-      options, [&] {
+      options,
+      [&] {
         return Error(ErrorKind::kLocked, connection.path(), Concat("partition ", number),
                      "is being moved to another server, or used by others meanwhile: try again later");
       });
@@ -26,16 +27,17 @@ void Lock(Connection& connection, std::int64_t number, std::string_view function
 
 Partition FindPartition(Connection& connection, std::int64_t atlas) {
   const Result found = connection.Query(
-      Concat("SELECT number, (SELECT relkind = 'f' FROM pg_class WHERE oid = to_regclass('slamdb.map_' || number)) FROM "
-             "generate_series(0, (SELECT partitions FROM store) - 1) AS number WHERE ",
-             IsInPartition("$1::bigint", "number")),
+      Concat(
+          "SELECT number, (SELECT relkind = 'f' FROM pg_class WHERE oid = to_regclass('slamdb.map_' || number)) FROM "
+          "generate_series(0, (SELECT partitions FROM store) - 1) AS number WHERE ",
+          IsInPartition("$1::bigint", "number")),
       {atlas}, "table map");
   if (found.rows() == 0) throw Error(ErrorKind::kDamaged, connection.path(), "table map", "lacks a partition");
   return {found[0].Integer(0), found[0].Integer(1) != 0};
 }
 
-// Whether there are rows beyond the newest revision, which those of `map`, `camera` and `repeated_entry` tell of: a save
-// that changes anything of an atlas that has maps writes its rows of `map` anew, all in one transaction.
+// Whether there are rows beyond the newest revision, which those of `map`, `camera` and `repeated_entry` tell of: a
+// save that changes anything of an atlas that has maps writes its rows of `map` anew, all in one transaction.
 bool IsUnfinished(Connection& connection, const Partition& partition, std::int64_t atlas, std::int64_t newest) {
   std::string any;
   for (const char* table : {"map", "camera", "repeated_entry"})
@@ -87,8 +89,7 @@ std::vector<Partition> PartitionsOf(Connection& connection) {
       "generate_series(0, (SELECT partitions FROM slamdb.store) - 1) AS number ORDER BY number",
       {}, "table store");
   std::vector<Partition> partitions;
-  for (std::size_t i = 0; i < found.rows(); ++i)
-    partitions.push_back({found[i].Integer(0), found[i].Integer(1) != 0});
+  for (std::size_t i = 0; i < found.rows(); ++i) partitions.push_back({found[i].Integer(0), found[i].Integer(1) != 0});
   return partitions;
 }
 
@@ -112,11 +113,12 @@ std::uint64_t UndoUnfinished(Connection& connection, const Partition& partition,
                 .Query(Concat("DELETE FROM ", each.table, " WHERE atlas = $1 AND since > $2::integer"), {atlas, newest},
                        place)
                 .changed();
-    rows += connection
-                .Query(Concat("UPDATE ", each.table,
-                              " SET until = 2147483647 WHERE atlas = $1 AND until > $2::integer AND until < 2147483647"),
-                       {atlas, newest}, place)
-                .changed();
+    rows +=
+        connection
+            .Query(Concat("UPDATE ", each.table,
+                          " SET until = 2147483647 WHERE atlas = $1 AND until > $2::integer AND until < 2147483647"),
+                   {atlas, newest}, place)
+            .changed();
   }
   if (newest == 0) rows += DeletePictures(connection, atlas);
   return static_cast<std::uint64_t>(rows) + ForgetWords(connection, partition, atlas);

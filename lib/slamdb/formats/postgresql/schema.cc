@@ -127,8 +127,8 @@ std::vector<std::string_view> PartitionedTables() {
 std::int64_t DeleteRows(Connection& connection, std::int64_t atlas) {
   std::int64_t deleted = 0;
   for (const std::string_view table : PartitionedTables())
-    deleted +=
-        connection.Query(Concat("DELETE FROM ", table, " WHERE atlas = $1"), {atlas}, Concat("table ", table)).changed();
+    deleted += connection.Query(Concat("DELETE FROM ", table, " WHERE atlas = $1"), {atlas}, Concat("table ", table))
+                   .changed();
   return deleted;
 }
 

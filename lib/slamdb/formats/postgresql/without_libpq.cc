@@ -48,7 +48,11 @@ void Transaction::Commit() {
 }
 
 CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types, Way way)
-    : connection_(connection), target_(target), way_(way), place_(target), encoder_({connection.path(), target}, std::move(types)) {
+    : connection_(connection),
+      target_(target),
+      way_(way),
+      place_(target),
+      encoder_({connection.path(), target}, std::move(types)) {
   Refuse(connection.path());
 }
 CopyIn::~CopyIn() = default;

@@ -46,10 +46,11 @@ void WaitForLock(const std::function<bool()>& take, const LockOptions& options, 
 
 void LockAtlas(Connection& connection, const std::string& name, const LockOptions& options) {
   const std::int64_t key = KeyOf(name);
-  WaitForLock([&] { return connection.Integer("SELECT pg_try_advisory_xact_lock($1)", {key}) != 0; }, options, [&] {
-    return Error(ErrorKind::kLocked, connection.path(), "",
-                 detail::Concat("'", name, "' is locked by ", HolderOf(connection, key)));
-  });
+  WaitForLock([&] { return connection.Integer("SELECT pg_try_advisory_xact_lock($1)", {key}) != 0; }, options,
+              [&] {
+                return Error(ErrorKind::kLocked, connection.path(), "",
+                             detail::Concat("'", name, "' is locked by ", HolderOf(connection, key)));
+              });
 }
 
 std::string TextOfTime(std::string_view column) {

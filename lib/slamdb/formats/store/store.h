@@ -63,8 +63,8 @@ class SLAMDB_EXPORT Store {
   Store& operator=(Store&&) noexcept;
 
   const std::string& path() const;
-  std::vector<std::string> Names();                             // ascending; without a look at what they name
-  std::vector<StoredAtlas> List();                              // by name
+  std::vector<std::string> Names();  // ascending; without a look at what they name
+  std::vector<StoredAtlas> List();   // by name
   // The atlases that match (model/map_query.h), ascending. Where the server of a partition (postgresql/fleet.h) does
   // not answer, the others are searched, and the names of its atlases come into `unsearched`; without that, it throws.
   std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched = nullptr);

@@ -16,7 +16,7 @@ using rows::Named;
 
 // Throws Error: kNotFound naming the atlases or revisions that there are.
 Named Find(Connection& connection, std::string_view text);
-std::vector<std::string> NamesOf(Connection& connection);  // ascending
+std::vector<std::string> NamesOf(Connection& connection);                          // ascending
 std::vector<std::string> NamesIn(Connection& connection, std::int64_t partition);  // of it alone, ascending
 bool Has(Connection& connection, const std::string& name);
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "slamdb/formats/postgresql/detail/connection.h"
-#include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/copy_in.h"
+#include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/rows/detail/change_counter.h"
 #include "slamdb/formats/rows/detail/plan.h"
