@@ -374,8 +374,9 @@ TEST_F(FleetTest, TheStoresServerIsKilledBetweenTheCommits) {
      "CREATE FUNCTION notify_of_save() RETURNS trigger LANGUAGE plpgsql AS 'BEGIN NOTIFY saved; RETURN NULL; "
      "END'; CREATE TRIGGER saved AFTER INSERT ON slamdb.history EXECUTE FUNCTION notify_of_save()");
   std::thread holder([&] {
-    EXPECT_THAT(ErrorOf([&] { Do(store_, "SET synchronous_commit = on; BEGIN; NOTIFY held; COMMIT"); }),
-                Not(IsEmpty()));
+    EXPECT_THAT(
+        ErrorOf([&] { Do(store_, "SET synchronous_commit = on; BEGIN; CREATE TABLE held (); NOTIFY held; COMMIT"); }),
+        Not(IsEmpty()));
   });
   const std::string waits = "SELECT count(*) FROM pg_stat_activity WHERE wait_event = 'SyncRep'";
   while (Number(store_, waits) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
