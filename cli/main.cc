@@ -22,6 +22,7 @@
 #include "cli/options.h"
 #include "cli/terminal.h"
 #include "slamdb/base/detail/hidden_passwords.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/location.h"
@@ -105,11 +106,17 @@ void TellFilesMeant(CLI::App& verb, Console& console) {
 }
 
 // Runs the named verb. Everything that is thrown ends here.
+// Of `URI` and `--option=URI`.
+bool NamesServer(const std::string& word) {
+  return detail::IsServer(word) || (word.starts_with("--") && detail::IsServer(word.substr(word.find('=') + 1)));
+}
+
 int RunVerb(Program& program, const std::vector<std::string>& words) {
   Console console(program.console);
   const CLI::App* verb = program.app.get_subcommands().front();
   Console::CatchSignals();
   try {
+    if (std::ranges::any_of(words, NamesServer)) GoOnWithLibraries();
     GuardFiles(NamedVerb(program.app));
     const ExitCode code = program.runs.at(verb)(console);
     if (code == ExitCode::kFailed) TellFilesMeant(NamedVerb(program.app), console);

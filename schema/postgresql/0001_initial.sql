@@ -23,6 +23,7 @@ CREATE TYPE span AS RANGE (SUBTYPE = double precision, SUBTYPE_DIFF = float8mi);
 CREATE TABLE atlas (
   row bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
   name text NOT NULL UNIQUE,
+  project text NOT NULL DEFAULT coalesce(current_setting('slamdb.project', true), ''),  -- for row_level_security.sql
   revision integer NOT NULL,                  -- the newest
   hash bigint NOT NULL,                       -- of everything in it
   saved_at timestamptz NOT NULL,
@@ -279,6 +280,16 @@ CREATE TABLE landmark (
   until integer NOT NULL DEFAULT 2147483647,
   PRIMARY KEY (atlas, row, since)
 ) PARTITION BY HASH (atlas);
+
+COMMENT ON TABLE camera IS 'A camera model.';
+COMMENT ON TABLE map IS 'A map, and where and when it lies.';
+COMMENT ON TABLE repeated_entry IS 'Irregular entries of an .osa file''s lists: a null pointer (owner_map NULL), or an object stored once more.';
+COMMENT ON TABLE keyframe IS 'A keyframe with its links, without its features.';
+COMMENT ON TABLE keyframe_features IS 'The features of a keyframe: its links to points, and the picture that has the rest.';
+COMMENT ON TABLE picture IS 'What a picture gave, packed: shared by all keyframes of the atlas that have the same to the last bit.';
+COMMENT ON TABLE keyframe_words IS 'What a keyframe looks like, so that a picture is looked for without reading atlases.';
+COMMENT ON TABLE map_point IS 'A map point with its observations.';
+COMMENT ON TABLE landmark IS 'An MRPT landmark of a map.';
 
 -- ---- to read in SQL: the newest revision of each atlas
 

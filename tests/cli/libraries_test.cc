@@ -21,7 +21,7 @@ TEST(Libraries, WhatStartsTheCommandNeedsNoneThatDrawsSolvesOrReadsPictures) {
   const ProcessResult found = RunProgram({"readelf", "-d", SLAMDB_COMMAND});
   if (found.exit_code == 127) GTEST_SKIP() << "readelf is not there";
   EXPECT_THAT(found.out, HasSubstr("libsqlite3"));
-  for (const char* library : {"cairo", "glog", "cholmod", "lapack", "opencv", "png", "jpeg"})
+  for (const char* library : {"cairo", "glog", "cholmod", "lapack", "opencv", "png", "jpeg", "libpq"})
     EXPECT_THAT(found.out, Not(HasSubstr(library)));
 }
 
@@ -57,6 +57,7 @@ TEST_P(VerbsWithLibraries, GoOnAsTheOtherProgramBeforeTheyReadOrWriteAnything) {
 INSTANTIATE_TEST_SUITE_P(All, VerbsWithLibraries,
                          ::testing::ValuesIn(std::vector<std::vector<std::string>>{
                              {"plot", "not-there.osa", "-o", "p.svg"},
+                             {"list", "postgresql:///maps"},
                              {"report", "not-there.osa", "-o", "r"},
                              {"optimize", "not-there.osa", "-o", "o.osa"},
                              {"close-loops", "not-there.osa", "-o", "o.osa"},

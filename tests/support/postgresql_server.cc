@@ -93,21 +93,39 @@ PostgresqlServer& PostgresqlServer::Shared() {
 }
 
 PostgresqlServer::PostgresqlServer(std::string_view settings) {
-  std::string name = "/tmp/slamdb_postgresql.XXXXXX";  // the path of a socket has at most 107 bytes
-  if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder: " + name);
-  folder_ = name;
+  MakeFolder();
   std::ofstream(folder_ / "password") << kPassword;
-  if (const passwd* user = OtherUser(); user != nullptr && ::chown(name.c_str(), user->pw_uid, user->pw_gid) != 0)
-    throw std::runtime_error("cannot give away " + name);
-  port_ = FreePort();
   Run({Programs() / "initdb", "--pgdata=" + (folder_ / "data").string(), "--username=" + std::string(kUser),
        "--pwfile=" + (folder_ / "password").string(), "--auth-local=trust", "--auth-host=scram-sha-256",
        "--encoding=UTF8", "--locale=C", "--no-sync"});
+  Configure(settings);
+  Start();
+}
+
+PostgresqlServer::PostgresqlServer(const Follow& follow) {
+  MakeFolder();
+  Run({Programs() / "pg_basebackup", "--pgdata=" + (folder_ / "data").string(), "--host=" + follow.primary.folder(),
+       "--port=" + std::to_string(follow.primary.port()), "--username=" + std::string(kUser), "--write-recovery-conf",
+       "--checkpoint=fast", "--no-sync"});
+  Configure({});
+  Start();
+}
+
+void PostgresqlServer::MakeFolder() {
+  std::string name = "/tmp/slamdb_postgresql.XXXXXX";  // the path of a socket has at most 107 bytes
+  if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder: " + name);
+  folder_ = name;
+  if (const passwd* user = OtherUser(); user != nullptr && ::chown(name.c_str(), user->pw_uid, user->pw_gid) != 0)
+    throw std::runtime_error("cannot give away " + name);
+  port_ = FreePort();
+}
+
+// What stands later in the file counts.
+void PostgresqlServer::Configure(std::string_view settings) const {
   std::ofstream(folder_ / "data/postgresql.conf", std::ios::app)
       << "listen_addresses = '127.0.0.1'\nport = " << port_ << "\nunix_socket_directories = '" << folder_.string()
       << "'\nfsync = off\nshared_buffers = 16MB\nautovacuum = off\n"
       << settings << "\n";
-  Start();
 }
 
 PostgresqlServer::~PostgresqlServer() {

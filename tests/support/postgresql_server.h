@@ -26,6 +26,11 @@ class PostgresqlServer {
 
   // Makes the files, and starts. `settings` go into postgresql.conf, a line each.
   explicit PostgresqlServer(std::string_view settings = {});
+  // A standby of another one, which follows it: to be read until `SELECT pg_promote()`, and to be written then.
+  struct Follow {
+    const PostgresqlServer& primary;
+  };
+  explicit PostgresqlServer(const Follow& follow);
   ~PostgresqlServer();
   PostgresqlServer(const PostgresqlServer&) = delete;
   PostgresqlServer& operator=(const PostgresqlServer&) = delete;
@@ -48,6 +53,8 @@ class PostgresqlServer {
   std::string folder() const { return folder_.string(); }  // with the socket in it
 
  private:
+  void MakeFolder();
+  void Configure(std::string_view settings) const;
   void Run(const std::vector<std::string>& command) const;
   pid_t Launch(const std::vector<std::string>& command) const;
   bool IsReady() const;

@@ -35,7 +35,7 @@ std::string Joined(const Parts& parts, std::size_t count) {
 
 fs::path WholePath(const AtlasInput& input) {
   std::error_code ignored;
-  if (input.location.is_server()) return "/" + DatabaseOfServer(input.location.path);
+  if (input.location.is_server()) return Concat("/", DatabaseOfServer(input.location.path));
   return fs::absolute(input.location.path, ignored).lexically_normal();
 }
 

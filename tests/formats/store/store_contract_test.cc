@@ -101,10 +101,18 @@ TEST_P(StoreContract, RevisionsAreReadAgain) {
   for (int i = 0; i < 8; ++i) {
     Map& map = atlas.maps[static_cast<std::size_t>(i) % atlas.maps.size()];
     switch (i % 4) {
-      case 0: map.points[random() % map.points.size()].position.x() += 1; break;
-      case 1: map.points.erase(map.points.begin() + static_cast<std::ptrdiff_t>(random() % map.points.size())); break;
-      case 2: std::swap(map.points.front(), map.points.back()); break;
-      case 3: map.keyframes.pop_back(); break;
+      case 0:
+        map.points[random() % map.points.size()].position.x() += 1;
+        break;
+      case 1:
+        map.points.erase(map.points.begin() + static_cast<std::ptrdiff_t>(random() % map.points.size()));
+        break;
+      case 2:
+        std::swap(map.points.front(), map.points.back());
+        break;
+      case 3:
+        map.keyframes.pop_back();
+        break;
     }
     EXPECT_EQ(Save(atlas).revision, static_cast<std::uint64_t>(i) + 1);
     saved.push_back(atlas);
@@ -322,8 +330,8 @@ TEST_P(StoreContract, KnowsPlacesByPictures) {
   ASSERT_FALSE(places.by_picture[0].empty());
   EXPECT_EQ(places.by_picture[0][0].atlas, "here");
   EXPECT_THAT(places.unknown, IsEmpty());
-  EXPECT_NEAR(static_cast<double>(places.by_picture[0][0].keyframe.value()),
-              static_cast<double>(keyframe.id.value()), 8);
+  EXPECT_NEAR(static_cast<double>(places.by_picture[0][0].keyframe.value()), static_cast<double>(keyframe.id.value()),
+              8);
 }
 
 TEST_P(StoreContract, OfTwoWhoSaveOneAtlasOneWaits) {

@@ -34,8 +34,7 @@ inline Json JsonNumber(std::uint64_t value) {
 // On one line, or with that many blanks an indent.
 // Bytes of names and paths that are not UTF-8 become U+FFFD, as JSON is UTF-8. Passwords of servers are left out.
 inline std::string Dumped(const Json& json, int indent = -1) {
-  std::string text = json.dump(indent, ' ', false, Json::error_handler_t::replace);
-  return text.find("postgres") == std::string::npos ? text : WithoutPasswords(std::move(text));
+  return WithoutPasswords(json.dump(indent, ' ', false, Json::error_handler_t::replace));
 }
 
 // The way back: a whole number that the type holds, also as text. Throws Error (kDamaged) for anything else.

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/hidden_passwords.h"
 #include "slamdb/base/detail/server.h"
 #include "slamdb/formats/postgresql/detail/connect.h"
 #include "slamdb/formats/postgresql/detail/encode.h"
@@ -74,7 +75,7 @@ void Connection::Finish::operator()(pg_conn* connection) const { PQfinish(connec
 
 Connection::Connection(const std::string& uri, const ConnectionOptions& options) : path_(detail::WithoutPassword(uri)) {
   if (!detail::IsServer(uri)) throw Error(ErrorKind::kUsage, path_, "", "is no server: postgresql://host/database is");
-  handle_.reset(Connect(uri, path_, options));
+  handle_.reset(Connect(detail::WithHiddenPassword(uri), path_, options));
 }
 
 bool Connection::is_lost() const { return PQstatus(handle_.get()) == CONNECTION_BAD; }

@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/formats/postgresql/detail/catalog.h"
+#include "slamdb/formats/postgresql/detail/kept_connection.h"
 #include "slamdb/formats/postgresql/detail/load.h"
 #include "slamdb/formats/postgresql/detail/names.h"
 #include "slamdb/formats/postgresql/detail/partition.h"
@@ -109,7 +110,7 @@ class PostgresqlStore : public detail::StoreBackend {
 
  public:
   PostgresqlStore(const std::string& uri, const StoreOptions& options, bool writable)
-      : connection_(uri, {.progress = options.progress}), options_(options), writable_(writable) {
+      : kept_(uri, {.progress = options.progress}), connection_(*kept_), options_(options), writable_(writable) {
     if (writable)
       MakeStore(connection_);
     else
@@ -237,7 +238,8 @@ class PostgresqlStore : public detail::StoreBackend {
     }
   }
 
-  Connection connection_;
+  KeptConnection kept_;
+  Connection& connection_;
   StoreOptions options_;
   bool writable_;
 };

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/formats/postgresql/detail/migrations_sql.h"
 
 namespace slamdb::postgresql {
@@ -177,6 +178,28 @@ void MakeStore(Connection& connection, int partitions) {
   for (const std::string_view table : PartitionedTables()) MakePartitions(connection, table, partitions);
   connection.Query("INSERT INTO store (version, partitions) VALUES ($1, $2)", {NewestVersion(), partitions});
   transaction.Commit();
+}
+
+MigrateReport Migrate(const std::string& uri, const MigrateOptions& options) {
+  if (options.back)
+    throw Error(ErrorKind::kNotPossible, detail::WithoutPassword(uri), "",
+                "a store on a server does not go back: restore the dump that was made before it was migrated");
+  Connection connection(uri);
+  Transaction transaction(connection, Transaction::Kind::kWrite);
+  connection.Query("SELECT pg_advisory_xact_lock($1)", {kMakingLock});
+  MigrateReport report;
+  report.from = VersionOf(connection);
+  report.to = NewestVersion();
+  if (report.from == 0 || report.from > report.to) CheckIsStore(connection);
+  for (const Migration& migration : Migrations()) {
+    if (migration.number <= report.from) continue;
+    report.steps.emplace_back(migration.name);
+    if (!options.dry_run) connection.Execute(std::string(migration.sql));
+  }
+  if (options.dry_run || report.steps.empty()) return report;
+  connection.Query("UPDATE store SET version = $1", {report.to});
+  transaction.Commit();
+  return report;
 }
 
 }  // namespace slamdb::postgresql

@@ -125,11 +125,3 @@ MigrateReport Migrate(const std::string& path, const MigrateOptions& options, st
 }
 
 }  // namespace slamdb::sqlite
-
-namespace slamdb {
-
-MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options) {
-  return sqlite::Migrate(path, options, sqlite::Migrations());
-}
-
-}  // namespace slamdb

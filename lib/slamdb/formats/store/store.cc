@@ -4,8 +4,10 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/server.h"
 #include "slamdb/formats/postgresql/detail/postgresql_store.h"
+#include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/rows/detail/revision_names.h"
 #include "slamdb/formats/rows/detail/store_backend.h"
+#include "slamdb/formats/sqlite/detail/migrations.h"
 #include "slamdb/formats/sqlite/detail/sqlite_store.h"
 
 namespace slamdb {
@@ -139,5 +141,10 @@ void Store::Vacuum() {
 }
 
 void Store::Backup(const std::string& target, bool overwrite) { backend_->Backup(target, overwrite); }
+
+MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options) {
+  return detail::IsServer(path) ? postgresql::Migrate(path, options)
+                                : sqlite::Migrate(path, options, sqlite::Migrations());
+}
 
 }  // namespace slamdb

@@ -9,6 +9,7 @@
 
 #include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/postgresql/detail/encode.h"
+#include "slamdb/formats/rows/stored.h"
 
 // The schema of the store in PostgreSQL: schema/postgresql/*.sql.
 namespace slamdb::postgresql {
@@ -56,5 +57,8 @@ void MakeStore(Connection& connection, int partitions = 1);
 void MakeTables(Connection& connection);
 // Held while a store is made or made another: a transaction's lock.
 void LockMaking(Connection& connection);
+
+// MigrateStore (formats/store/store.h).
+MigrateReport Migrate(const std::string& uri, const MigrateOptions& options);
 
 }  // namespace slamdb::postgresql

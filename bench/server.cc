@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// slamdb_server_bench compare FILE.osa [ROUNDS]: a store on a server, through its socket, beside one in a file, as
+// markdown.
+//   Each row is measured in pairs, the one and the other in turn; medians, and the ratio with its least and greatest.
+// slamdb_server_bench search [SIZES]: where, when and "who knows this picture" among 10,100,1000 small atlases.
+// slamdb_server_bench load [ATLASES SECONDS KILLS]: 8 writers and 8 readers over ATLASES (1000) for SECONDS (60) while
+// the
+//   server is killed KILLS (10) times; what they saved and loaded a second, and whether an update was lost.
+// The server is one of its own, with its files in a temporary folder, not synced, as the file is not.
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <iomanip>
+#include <iostream>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "slamdb/formats/formats.h"
+#include "slamdb/formats/store/store.h"
+#include "slamdb/model/digest.h"
+#include "slamdb/model/picture_features.h"
+#include "slamdb/synthetic/synthesize.h"
+#include "tests/support/postgresql_server.h"
+
+namespace slamdb {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Work = std::function<void()>;
+
+double SecondsOf(const Work& work) {
+  const Clock::time_point start = Clock::now();
+  work();
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+}
+
+// ---- compare
+
+// `before` of each is not measured.
+struct Side {
+  Work before, work;
+};
+
+void Compare(const std::string& what, int rounds, const Side& server, const Side& file) {
+  std::vector<double> ours, theirs, ratios;
+  for (int round = 0; round < rounds; ++round) {
+    const auto run = [&](const Side& side, std::vector<double>& times) {
+      if (side.before) side.before();
+      times.push_back(SecondsOf(side.work));
+    };
+    round % 2 == 0 ? run(server, ours) : run(file, theirs);
+    round % 2 == 0 ? run(file, theirs) : run(server, ours);
+    ratios.push_back(ours.back() / theirs.back());
+  }
+  std::cout << "| " << what << " | " << 1e3 * Quantile(ours, 0.5) << " ms | " << 1e3 * Quantile(theirs, 0.5) << " ms | "
+            << Quantile(ratios, 0.5) << " (" << Quantile(ratios, 0) << " to " << Quantile(ratios, 1) << ") |\n"
+            << std::flush;
+}
+
+// After one keyframe in a hundred has moved and lost its first keypoint's match; another each time.
+Atlas Changed(Atlas atlas, int round) {
+  for (Map& map : atlas.maps)
+    for (std::size_t i = 0; i < map.keyframes.size(); i += 100) {
+      KeyFrame& keyframe = map.keyframes[i];
+      keyframe.camera_from_world.translation.x() += 0.01F * static_cast<float>(round + 1);
+      auto& points = keyframe.features.map_points;
+      if (!points.empty()) points[static_cast<std::size_t>(round) % points.size()] = MapPointId();
+    }
+  return atlas;
+}
+
+int CompareWithAFile(const std::string& path, int rounds) {
+  const Atlas atlas = ReadAtlas(path);
+  PostgresqlServer server("shared_buffers = 256MB\nmax_wal_size = 4GB\nfull_page_writes = off");
+  const std::string folder = server.folder();
+  const std::string file = std::filesystem::temp_directory_path() / "slamdb_server_bench.db";
+  std::string uri;
+  const auto make_database = [&] { uri = server.Uri(server.MakeDatabase()); };
+  const auto remove_file = [&] { std::filesystem::remove(file); };
+  const auto save = [](const std::string& where, const Atlas& what) {
+    Store::OpenForWriting(where, {.sync = false}).Save("a", what);
+  };
+  std::cout << "| | on a server | in a file | times as long |\n|---|---|---|---|\n" << std::setprecision(3);
+  Compare("save", rounds,
+          {[&] {
+             make_database();
+             Store::OpenForWriting(uri);  // the tables are made once for all atlases
+           },
+           [&] { save(uri, atlas); }},
+          {remove_file, [&] { save(file, atlas); }});
+  Compare("load", rounds, {{}, [&] { Store::Open(uri).Load("a"); }}, {{}, [&] { Store::Open(file).Load("a"); }});
+  int round = 0;
+  Atlas changed;
+  const auto change = [&] { changed = Changed(atlas, round++); };
+  Compare("save after 1 %", rounds, {change, [&] { save(uri, changed); }}, {change, [&] { save(file, changed); }});
+  Compare("save of what is there", rounds, {[&] { save(uri, atlas); }, [&] { save(uri, atlas); }},
+          {[&] { save(file, atlas); }, [&] { save(file, atlas); }});
+  Compare("load of an earlier revision", rounds, {{}, [&] { Store::Open(uri).Load("a@1"); }},
+          {{}, [&] { Store::Open(file).Load("a@1"); }});
+  Compare("list", rounds, {{}, [&] { Store::Open(uri).List(); }}, {{}, [&] { Store::Open(file).List(); }});
+  remove_file();
+  return 0;
+}
+
+// ---- search
+
+Atlas SmallRoom(std::uint64_t seed) {
+  Atlas room =
+      SynthesizeAtlas({.sensor = Sensor::kStereo, .keyframes = 8, .points = 300, .features = 200, .seed = seed});
+  for (Map& map : room.maps) {
+    for (KeyFrame& keyframe : map.keyframes) keyframe.timestamp += 1000 * static_cast<double>(seed);
+    for (MapPoint& point : map.points) point.position.x() += 100 * static_cast<float>(seed);
+  }
+  return room;
+}
+
+int Search(const std::vector<std::size_t>& sizes) {
+  PostgresqlServer server("shared_buffers = 256MB\nmax_wal_size = 4GB");
+  const std::string uri = server.Uri(server.MakeDatabase());
+  Store store = Store::OpenForWriting(uri, {.sync = false});
+  std::cout << "| atlases | where | when | who knows a picture | list |\n|---|---|---|---|---|\n"
+            << std::setprecision(3);
+  std::size_t made = 0;
+  for (const std::size_t size : sizes) {
+    for (; made < size; ++made) store.Save("room" + std::to_string(made), SmallRoom(made));
+    const Atlas asked = SmallRoom(size / 2);
+    MapQuery where, when;
+    where.near = MapQuery::Ball{asked.maps[0].points[0].position.cast<double>(), 0.1};
+    const double time = asked.maps[0].keyframes[0].timestamp;
+    when.times = MapQuery::Times{time, time + 0.1};
+    const auto& descriptors = asked.maps[0].keyframes[4].features.descriptors;
+    const std::vector<Descriptor> picture(descriptors.begin(), descriptors.end());
+    const std::span<const Descriptor> pictures[] = {picture};
+    const auto median = [&](const Work& work) {
+      std::vector<double> times;
+      for (int i = 0; i < 9; ++i) times.push_back(1e3 * SecondsOf(work));
+      return Quantile(times, 0.5);
+    };
+    std::size_t found = 0;
+    std::cout << "| " << size << " | " << median([&] { found += store.Find(where).size(); }) << " ms | "
+              << median([&] { found += store.Find(when).size(); }) << " ms | "
+              << median([&] { found += store.PlacesLike(pictures).by_picture[0].size(); }) << " ms | "
+              << median([&] { found += store.List().size(); }) << " ms |" << (found == 0 ? " nothing" : "") << "\n"
+              << std::flush;
+  }
+  return 0;
+}
+
+// ---- load
+
+// What one client did.
+struct Log {
+  std::vector<double> saves, loads;  // seconds each
+  std::uint64_t failed = 0, retried = 0;
+};
+
+class Fleet {
+ public:
+  Fleet(std::size_t atlases, double seconds, int kills)
+      : atlases_(atlases),
+        seconds_(seconds),
+        kills_(kills),
+        server_("shared_buffers = 256MB\nmax_connections = 64"),
+        uri_(server_.Uri(server_.MakeDatabase())),
+        saved_(atlases, 0),
+        expected_(atlases) {}
+
+  int Run() {
+    Fill();
+    std::vector<Log> logs(2 * kClients);
+    std::vector<std::thread> clients;
+    const Clock::time_point end =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds_));
+    for (std::size_t i = 0; i < kClients; ++i) clients.emplace_back([&, i] { Write(i, end, logs[i]); });
+    for (std::size_t i = 0; i < kClients; ++i) clients.emplace_back([&, i] { ReadAll(i, end, logs[kClients + i]); });
+    for (int kill = 0; kill < kills_; ++kill) {
+      std::this_thread::sleep_for(std::chrono::duration<double>(seconds_ / (kills_ + 1)));
+      server_.Kill();
+      server_.Start();
+    }
+    for (std::thread& client : clients) client.join();
+    Tell(logs);
+    return CountLost() == 0 ? 0 : 1;
+  }
+
+ private:
+  static constexpr std::size_t kClients = 8;
+
+  static Atlas Version(std::size_t atlas, std::uint64_t version) {
+    Atlas made = SmallRoom(atlas % 16);
+    made.maps[0].points[0].position = {static_cast<float>(atlas), static_cast<float>(version), 0};
+    made.maps[0].points[version % 200].normal.x() = 0.5F;
+    return made;
+  }
+  static std::string NameOf(std::size_t atlas) { return "robot" + std::to_string(atlas); }
+
+  void Fill() {
+    Store store = Store::OpenForWriting(uri_, {.sync = false});
+    for (std::size_t i = 0; i < atlases_; ++i) expected_[i] = store.Save(NameOf(i), Version(i, 0)).hash;
+    megabytes_ = static_cast<double>(store.List()[0].bytes) / 1e6;
+  }
+
+  // Each writer has atlases of its own, so that what must be there at the end is known.
+  void Write(std::size_t client, Clock::time_point end, Log& log) {
+    std::mt19937_64 random(client);
+    while (Clock::now() < end) {
+      const std::size_t atlas = random() % (atlases_ / kClients) * kClients + client;
+      const Atlas next = Version(atlas, saved_[atlas] + 1);
+      for (bool done = false; !done;) {
+        try {
+          SaveReport report;
+          log.saves.push_back(SecondsOf([&] { report = Store::OpenForWriting(uri_).Save(NameOf(atlas), next); }));
+          expected_[atlas] = report.hash;
+          ++saved_[atlas];
+          done = true;
+        } catch (const Error&) {  // the server was killed: try again
+          ++log.retried;
+          std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        }
+      }
+    }
+  }
+  void ReadAll(std::size_t client, Clock::time_point end, Log& log) {
+    std::mt19937_64 random(100 + client);
+    while (Clock::now() < end) {
+      const std::string name = NameOf(random() % atlases_);
+      try {
+        log.loads.push_back(SecondsOf([&] { Store::Open(uri_).Load(name); }));
+      } catch (const Error& error) {
+        if (error.kind() == ErrorKind::kDamaged) {
+          ++log.failed;
+          std::cerr << error.what() << "\n";
+        }
+        ++log.retried;
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      }
+    }
+  }
+
+  std::size_t CountLost() {
+    Store store = Store::Open(uri_);
+    std::size_t lost = 0;
+    for (std::size_t i = 0; i < atlases_; ++i)
+      lost += HashOf(store.Load(NameOf(i))) != expected_[i] || store.FindRevision(NameOf(i)).number != saved_[i] + 1;
+    std::cout << "lost updates: " << lost << " of " << atlases_ << " atlases\n";
+    return lost;
+  }
+
+  void Tell(const std::vector<Log>& logs) const {
+    Log sum;
+    for (const Log& log : logs) {
+      sum.saves.insert(sum.saves.end(), log.saves.begin(), log.saves.end());
+      sum.loads.insert(sum.loads.end(), log.loads.begin(), log.loads.end());
+      sum.failed += log.failed;
+      sum.retried += log.retried;
+    }
+    const auto row = [&](const char* what, const std::vector<double>& times) {
+      const double rate = static_cast<double>(times.size()) / seconds_;
+      std::cout << "| " << what << " | " << rate << " a second, " << rate * megabytes_ << " MB/s | "
+                << 1e3 * Quantile(times, 0.5) << " ms | " << 1e3 * Quantile(times, 0.95) << " ms | "
+                << 1e3 * Quantile(times, 0.99) << " ms |\n";
+    };
+    std::cout << "| " << kClients << " writers, " << kClients << " readers, " << atlases_ << " atlases, " << kills_
+              << " kills | | half | 95 % | 99 % |\n|---|---|---|---|---|\n";
+    row("saves", sum.saves);
+    row("loads", sum.loads);
+    std::cout << "tried again: " << sum.retried << ", damaged: " << sum.failed << "\n";
+  }
+
+  std::size_t atlases_;
+  double seconds_;
+  int kills_;
+  PostgresqlServer server_;
+  std::string uri_;
+  double megabytes_ = 0;                         // of an atlas
+  std::vector<std::uint64_t> saved_, expected_;  // by atlas: versions, hashes
+};
+
+}  // namespace
+}  // namespace slamdb
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const auto number = [&](std::size_t i, int other) { return i < words.size() ? std::stoi(words[i]) : other; };
+  if (words.size() >= 2 && words[0] == "compare") return slamdb::CompareWithAFile(words[1], number(2, 9));
+  if (words.size() == 1 && words[0] == "search") return slamdb::Search({10, 100, 1000});
+  if (words.size() >= 2 && words[0] == "search") {
+    std::vector<std::size_t> sizes;
+    for (std::size_t i = 1; i < words.size(); ++i) sizes.push_back(static_cast<std::size_t>(number(i, 0)));
+    return slamdb::Search(sizes);
+  }
+  if (!words.empty() && words[0] == "load")
+    return slamdb::Fleet(static_cast<std::size_t>(number(1, 1000)), number(2, 60), number(3, 10)).Run();
+  std::cerr << "slamdb_server_bench compare FILE.osa [ROUNDS] | search [SIZE...] | load [ATLASES SECONDS KILLS]\n";
+  return 2;
+}

@@ -1,0 +1,50 @@
+-- SPDX-License-Identifier: BSD-3-Clause
+-- Who sees which atlases, by project, once for a database, by its owner: psql -d maps -f row_level_security.sql. Off
+-- until then. May be run again; ALTER TABLE ... DISABLE ROW LEVEL SECURITY takes it back.
+-- A project is a role: CREATE ROLE warehouse NOLOGIN; GRANT warehouse TO alice. Who is a member sees its atlases; those
+-- of no project are everybody's. An atlas is made in the project that its writer's `slamdb.project` names, as with
+-- PGOPTIONS='-c slamdb.project=warehouse' or ALTER ROLE alice SET slamdb.project = 'warehouse'.
+-- The owner of the tables, superusers and roles with BYPASSRLS see all.
+-- Names of atlases are one for all projects: that a name is taken is not hidden.
+SET search_path TO slamdb;
+
+CREATE OR REPLACE FUNCTION is_member(project text) RETURNS boolean LANGUAGE sql STABLE AS $$
+  SELECT project = '' OR EXISTS (SELECT 1 FROM pg_roles WHERE rolname = project AND pg_has_role(current_user, oid, 'MEMBER'))
+$$;
+
+ALTER TABLE atlas ENABLE ROW LEVEL SECURITY;
+DROP POLICY IF EXISTS by_project ON atlas;
+CREATE POLICY by_project ON atlas USING (is_member(project)) WITH CHECK (is_member(project));
+
+DO $$
+DECLARE
+  each text;
+BEGIN
+  FOREACH each IN ARRAY ARRAY['revision', 'tag', 'camera', 'map', 'repeated_entry', 'keyframe', 'keyframe_features',
+                              'picture', 'keyframe_words', 'map_point', 'landmark'] LOOP
+    EXECUTE format('ALTER TABLE %I ENABLE ROW LEVEL SECURITY', each);
+    EXECUTE format('DROP POLICY IF EXISTS by_project ON %I', each);
+    EXECUTE format('CREATE POLICY by_project ON %I USING (atlas IN (SELECT row FROM atlas))', each);
+  END LOOP;
+  -- Partitions are tables of their own, which nobody needs to name: rights are those of the table that they are of.
+  FOR each IN SELECT inhrelid::regclass::text FROM pg_inherits JOIN pg_class ON pg_class.oid = inhrelid
+              WHERE relnamespace = 'slamdb'::regnamespace LOOP
+    EXECUTE format('REVOKE ALL ON %s FROM slamdb_reader, slamdb_writer', each);
+  END LOOP;
+END $$;
+
+ALTER TABLE history ENABLE ROW LEVEL SECURITY;
+DROP POLICY IF EXISTS by_project ON history;
+DROP POLICY IF EXISTS entered ON history;
+CREATE POLICY by_project ON history FOR SELECT USING (atlas IS NULL OR atlas IN (SELECT name FROM slamdb.atlas));
+CREATE POLICY entered ON history FOR INSERT WITH CHECK (true);
+
+-- Views show what who looks may see, not what their owner may (PostgreSQL 15).
+DO $$
+DECLARE
+  each text;
+BEGIN
+  FOR each IN SELECT viewname FROM pg_views WHERE schemaname = 'slamdb' LOOP
+    EXECUTE format('ALTER VIEW %I SET (security_invoker = true)', each);
+  END LOOP;
+END $$;

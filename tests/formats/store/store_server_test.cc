@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What can go wrong with a store on a server, and what is left then: the revision before, whole, or the new one.
+#include <gmock/gmock.h>
+#include <libpq-fe.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+
+#include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/store/store.h"
+#include "slamdb/model/digest.h"
+#include "tests/formats/store/atlases.h"
+#include "tests/support/postgresql_server.h"
+
+namespace slamdb::store_test {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// The first column of the first row, as a person with psql would see it.
+std::string SqlOn(const std::string& uri, const std::string& sql) {
+  const std::unique_ptr<PGconn, void (*)(PGconn*)> connection(PQconnectdb(uri.c_str()), &PQfinish);
+  const std::unique_ptr<PGresult, void (*)(PGresult*)> result(PQexec(connection.get(), sql.c_str()), &PQclear);
+  const ExecStatusType status = PQresultStatus(result.get());
+  if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK)
+    return detail::Concat("ERROR ", PQerrorMessage(connection.get()));
+  return PQntuples(result.get()) > 0 ? PQgetvalue(result.get(), 0, 0) : "";
+}
+
+class StoreOnServer : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "postgresql is not installed";
+    database_ = Server().MakeDatabase();
+    uri_ = Server().Uri(database_);
+    Store::OpenForWriting(uri_).Save("a", first_);
+  }
+  static PostgresqlServer& Server() { return PostgresqlServer::Shared(); }
+
+  std::string Sql(const std::string& sql) const { return SqlOn(uri_, sql); }
+  std::string UriOf(const std::string& user) const {
+    std::string uri = uri_;
+    return uri.replace(uri.find(PostgresqlServer::kUser), PostgresqlServer::kUser.size(), user);
+  }
+
+  void ExpectFirst() { EXPECT_EQ(FirstDifference(Store::Open(uri_).Load("a"), first_), ""); }
+  void ExpectSecondCanBeSaved() {
+    EXPECT_EQ(Store::OpenForWriting(uri_).Save("a", second_).revision, 2U);
+    EXPECT_EQ(FirstDifference(Store::Open(uri_).Load("a"), second_), "");
+    EXPECT_EQ(FirstDifference(Store::Open(uri_).Load("a@1"), first_), "");
+  }
+
+  std::string database_, uri_;
+  Atlas first_ = SoundAtlas(), second_ = OddAtlas();
+};
+
+TEST_F(StoreOnServer, KilledRightBeforeTheCommitHasTheRevisionBefore) {
+  SaveOptions options;
+  options.before_commit = [] { Server().Kill(); };
+  const std::string error = ErrorOf([&] { Store::OpenForWriting(uri_).Save("a", second_, options); });
+  EXPECT_THAT(error, HasSubstr("try again"));
+  Server().Start();
+  ExpectFirst();
+  ExpectSecondCanBeSaved();
+}
+
+TEST_F(StoreOnServer, KilledInTheMiddleOfRowsHasTheRevisionBefore) {
+  SaveOptions options;
+  bool is_killed = false;
+  options.progress = [&](std::string_view stage, double fraction) {
+    if (stage != "saving" || fraction < 0.3 || is_killed) return;
+    is_killed = true;
+    Server().Kill();
+  };
+  const std::string error = ErrorOf([&] { Store::OpenForWriting(uri_).Save("a", second_, options); });
+  EXPECT_TRUE(is_killed);
+  EXPECT_THAT(error, HasSubstr("try again"));
+  Server().Start();
+  ExpectFirst();
+  ExpectSecondCanBeSaved();
+}
+
+TEST_F(StoreOnServer, StoppedByItsAdministratorSaysSo) {
+  SaveOptions options;
+  options.before_commit = [] { Server().Restart(); };
+  EXPECT_THAT(ErrorOf([&] { Store::OpenForWriting(uri_).Save("a", second_, options); }), HasSubstr("try again"));
+  ExpectFirst();
+  ExpectSecondCanBeSaved();
+}
+
+TEST_F(StoreOnServer, ALostConnectionIsAnErrorAndTheNextOneWorks) {
+  Store store = Store::OpenForWriting(uri_);
+  SaveOptions options;
+  options.before_commit = [&] {
+    Sql("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database() AND pid <> "
+        "pg_backend_pid()");
+  };
+  EXPECT_THAT(ErrorOf([&] { store.Save("a", second_, options); }), HasSubstr("try again"));
+  EXPECT_THAT(ErrorOf([&] { store.Load("a"); }), Not(::testing::IsEmpty()));
+  ExpectFirst();
+  ExpectSecondCanBeSaved();
+}
+
+// Of this process: the one that the thread keeps for the next store that it opens.
+TEST_F(StoreOnServer, ManyStoresOneBehindTheOtherTakeOneConnection) {
+  const auto count = [&] {
+    return Sql("SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND application_name LIKE "
+               "'slamdb%'");
+  };
+  for (int i = 0; i < 5; ++i) ExpectFirst();
+  EXPECT_EQ(count(), "1");
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const bool same = FirstDifference(Store::Open(uri_).Load("a"), first_).empty();
+    std::exit(same ? 0 : 1);  // with all that a process does in the end
+  }
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(count(), "1");  // not taken away by the child
+  Server().Restart();
+  ExpectFirst();
+}
+
+// A save whose commit arrived though nobody heard of it is done again, and changes nothing.
+TEST_F(StoreOnServer, ToTryAgainIsSafeWhereTheCommitHadArrived) {
+  ExpectSecondCanBeSaved();
+  EXPECT_TRUE(Store::OpenForWriting(uri_).Save("a", second_).unchanged);
+  EXPECT_EQ(Store::Open(uri_).FindRevision("a").number, 2U);
+}
+
+TEST_F(StoreOnServer, RowsThatSomebodyEditedAreSeenAndWrittenAnew) {
+  for (const char* edit :
+       {"UPDATE slamdb.map_point SET x = x + 1 WHERE row = (SELECT min(row) FROM slamdb.map_point)",
+        "UPDATE slamdb.map_point SET seen_by = seen_by[2:], left_keypoints = left_keypoints[2:], right_keypoints = "
+        "right_keypoints[2:] WHERE row = (SELECT max(row) FROM slamdb.map_point WHERE cardinality(seen_by) > 1)",
+        "UPDATE slamdb.keyframe SET tx = 7 WHERE row = (SELECT min(row) FROM slamdb.keyframe)",
+        "UPDATE slamdb.keyframe SET weights[1] = 7000 WHERE row = (SELECT min(row) FROM slamdb.keyframe WHERE "
+        "cardinality(weights) > 0)",
+        "DELETE FROM slamdb.keyframe_features WHERE keyframe = (SELECT min(keyframe) FROM slamdb.keyframe_features)",
+        "UPDATE slamdb.picture SET columns = substr(columns, 1, 40)",
+        "UPDATE slamdb.map SET inertial = 9 WHERE until = 2147483647",
+        "DELETE FROM slamdb.map_point WHERE row = (SELECT max(row) FROM slamdb.map_point)",
+        "UPDATE slamdb.camera SET parameters = '[1,2,oops]', exact = NULL",
+        "UPDATE slamdb.revision SET next_map = 4711"}) {
+    ASSERT_THAT(Sql(edit), Not(HasSubstr("ERROR"))) << edit;
+    const std::string error = ErrorOf([&] { Store::Open(uri_).Load("a"); });
+    EXPECT_THAT(error, HasSubstr("table ")) << edit;
+    Store::OpenForWriting(uri_).Save("a", first_, {.verify = true});
+    ExpectFirst();
+  }
+}
+
+TEST_F(StoreOnServer, HasWhatItNeedsInOneSchemaWithComments) {
+  EXPECT_EQ(Sql("SELECT count(*) FROM pg_class WHERE relkind = 'r' AND relnamespace = 'public'::regnamespace"), "0");
+  EXPECT_THAT(Sql("SELECT string_agg(relname, ' ') FROM pg_class WHERE relkind = 'p' AND relnamespace = "
+                  "'slamdb'::regnamespace AND obj_description(oid) IS NULL"),
+              "");
+}
+
+TEST_F(StoreOnServer, ViewsTellWhatTheAtlasHolds) {
+  const Map& map = first_.maps[0];
+  const std::string id = std::to_string(map.id.value());
+  EXPECT_EQ(Sql("SELECT count(*) FROM slamdb.v_map_point WHERE map = " + id), std::to_string(map.points.size()));
+  std::size_t observations = 0, links = 0;
+  for (const MapPoint& point : map.points) observations += point.observations.size();
+  for (const KeyFrame& keyframe : map.keyframes)
+    links += keyframe.connections.size() + keyframe.children.size() + keyframe.loop_edges.size() +
+             keyframe.merge_edges.size();
+  EXPECT_EQ(Sql("SELECT count(*) FROM slamdb.v_observation WHERE map = " + id), std::to_string(observations));
+  EXPECT_EQ(Sql("SELECT count(*) FROM slamdb.v_keyframe_link WHERE map = " + id), std::to_string(links));
+  EXPECT_EQ(Sql("SELECT count(*) FROM slamdb.v_keyframe_pose WHERE map = " + id), std::to_string(map.keyframes.size()));
+  EXPECT_EQ(Sql("SELECT count(*) FROM slamdb.v_dangling"), "0");
+  EXPECT_EQ(Sql("SELECT hash FROM slamdb.v_revision"), Sql("SELECT hash FROM slamdb.v_atlas"));
+  for (const char* view : {"v_camera", "v_map", "v_keyframe", "v_landmark"})
+    EXPECT_THAT(Sql(detail::Concat("SELECT count(*) FROM slamdb.", view)), Not(HasSubstr("ERROR"))) << view;
+}
+
+// ---- who may do what: schema/postgresql/roles.sql and row_level_security.sql
+
+class StoreRoles : public StoreOnServer {
+ protected:
+  void SetUp() override {
+    StoreOnServer::SetUp();
+    if (IsSkipped()) return;
+    ASSERT_EQ(Run("roles.sql"), "");
+    ASSERT_EQ(Run("roles.sql"), "");  // again
+    for (const std::string user : {"reading", "writing", "elsewhere"}) {
+      Sql("CREATE ROLE " + user + " LOGIN");
+      Sql("GRANT slamdb_" + std::string(user == "reading" ? "reader" : "writer") + " TO " + user);
+    }
+  }
+  std::string Run(const char* script) const {
+    return Sql(FileBytes(std::string(SLAMDB_FIXTURES "/../schema/postgresql/") + script));
+  }
+};
+
+TEST_F(StoreRoles, ReadersReadAndWritersWrite) {
+  Store reader = Store::Open(UriOf("reading"));
+  EXPECT_EQ(FirstDifference(reader.Load("a"), first_), "");
+  EXPECT_EQ(reader.List().size(), 1U);
+  EXPECT_THAT(ErrorOf([&] { Store::OpenForWriting(UriOf("reading")).Save("b", first_); }),
+              HasSubstr("permission denied"));
+  Store writer = Store::OpenForWriting(UriOf("writing"));
+  EXPECT_EQ(writer.Save("a", second_).revision, 2U);
+  writer.Tag("a", "t");
+  writer.Untag("a", "t");
+  writer.GiveUp({.keep = 1});
+  writer.Save("b", first_);
+  writer.Remove("b");
+  EXPECT_THAT(SqlOn(UriOf("writing"), "DELETE FROM slamdb.history"), HasSubstr("permission denied"));
+}
+
+TEST_F(StoreRoles, RowLevelSecurityShowsEachItsProjects) {
+  ASSERT_EQ(Run("row_level_security.sql"), "");
+  ASSERT_EQ(Run("row_level_security.sql"), "");  // again
+  Sql("CREATE ROLE warehouse NOLOGIN");
+  Sql("GRANT warehouse TO writing");
+  Sql("GRANT warehouse TO reading");
+  Sql("ALTER ROLE writing SET slamdb.project = 'warehouse'");
+  Store::OpenForWriting(UriOf("writing")).Save("secret", second_);
+  EXPECT_THAT(Store::Open(UriOf("reading")).Names(), ElementsAre("a", "secret"));
+  EXPECT_EQ(FirstDifference(Store::Open(UriOf("reading")).Load("secret"), second_), "");
+  Store elsewhere = Store::OpenForWriting(UriOf("elsewhere"));
+  EXPECT_THAT(elsewhere.Names(), ElementsAre("a"));
+  EXPECT_THAT(ErrorOf([&] { elsewhere.Load("secret"); }), HasSubstr("no atlas named 'secret'"));
+  EXPECT_EQ(elsewhere.Log("secret").size(), 0U);
+  EXPECT_EQ(FirstDifference(elsewhere.Load("a"), first_), "");  // of no project: everybody's
+  const std::string other_rows = Sql("SELECT row FROM slamdb.atlas WHERE name = 'secret'");
+  for (const char* table : {"keyframe", "map_point", "picture", "revision", "map", "keyframe_features"}) {
+    const std::string of_other = detail::Concat("SELECT count(*) FROM slamdb.", table, " WHERE atlas = ", other_rows);
+    EXPECT_NE(Sql(of_other), "0") << table;
+    EXPECT_EQ(SqlOn(UriOf("elsewhere"), of_other), "0") << table;
+  }
+  for (const char* view : {"v_map_point", "v_keyframe", "v_revision"})
+    EXPECT_EQ(
+        SqlOn(UriOf("elsewhere"), detail::Concat("SELECT count(*) FROM slamdb.", view, " WHERE atlas = 'secret'")), "0")
+        << view;
+  EXPECT_THAT(SqlOn(UriOf("elsewhere"), "SELECT count(*) FROM slamdb.keyframe_0"), HasSubstr("permission denied"));
+  EXPECT_THAT(ErrorOf([&] { elsewhere.Save("secret", first_); }), Not(::testing::IsEmpty()));
+  EXPECT_EQ(FirstDifference(Store::Open(uri_).Load("secret"), second_), "");
+}
+
+TEST_F(StoreOnServer, OfADatabaseOfOthersSaysSo) {
+  const std::string other = Server().Uri(Server().MakeDatabase());
+  EXPECT_THAT(ErrorOf([&] { Store::Open(other); }), HasSubstr("holds no store yet"));
+  SqlOn(other, "CREATE TABLE public.atlas (row integer)");
+  Store::OpenForWriting(other).Save("a", first_);  // beside it, in a schema of its own
+  EXPECT_EQ(FirstDifference(Store::Open(other).Load("a"), first_), "");
+  Sql("UPDATE slamdb.store SET version = 99");
+  EXPECT_THAT(ErrorOf([&] { Store::Open(uri_); }), HasSubstr("store version 99"));
+  EXPECT_THAT(ErrorOf([&] { MigrateStore(uri_); }), HasSubstr("store version 99"));
+  EXPECT_TRUE(MigrateStore(other).steps.empty());
+}
+
+TEST(StoreFailover, InTheMiddleOfASaveTheStandbyHasTheRevisionBeforeAndTakesTheSaveOver) {
+  if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "postgresql is not installed";
+  const Atlas first = SoundAtlas(), second = OddAtlas();
+  PostgresqlServer primary;
+  const std::string database = primary.MakeDatabase();
+  Store::OpenForWriting(primary.Uri(database)).Save("a", first);
+  PostgresqlServer standby(PostgresqlServer::Follow{primary});
+  EXPECT_EQ(FirstDifference(Store::Open(standby.Uri(database)).Load("a"), first), "");
+  const std::string refused = ErrorOf([&] { Store::OpenForWriting(standby.Uri(database)).Save("a", second); });
+  EXPECT_THAT(refused, HasSubstr("target_session_attrs"));
+  // Both hosts, as a fleet's programs name them.
+  const std::string both = detail::Concat("postgresql://", PostgresqlServer::kUser, "@/", database,
+                                          "?host=", primary.folder(), ",", standby.folder(), "&port=", primary.port(),
+                                          ",", standby.port(), "&target_session_attrs=read-write");
+  SaveOptions options;
+  options.before_commit = [&] { primary.Kill(); };
+  EXPECT_THAT(ErrorOf([&] { Store::OpenForWriting(both).Save("a", second, options); }), HasSubstr("try again"));
+  EXPECT_EQ(SqlOn(standby.Uri(database), "SELECT pg_promote()"), "t");
+  EXPECT_EQ(FirstDifference(Store::Open(both).Load("a"), first), "");
+  EXPECT_EQ(Store::OpenForWriting(both).Save("a", second).revision, 2U);
+  EXPECT_EQ(FirstDifference(Store::Open(both).Load("a"), second), "");
+}
+
+}  // namespace
+}  // namespace slamdb::store_test
