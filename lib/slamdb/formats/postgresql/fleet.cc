@@ -165,7 +165,7 @@ std::uint64_t DeleteStray(Connection& store, std::int64_t partition) {
   for (std::size_t i = 0; i < found.rows(); ++i) atlases.push_back(found[i].Integer(0));
   std::int64_t rows = 0;
   for (const std::string_view table : PartitionedTables())
-    rows += store.Query(Concat("DELETE FROM ", table, "_", partition, " WHERE atlas <> ALL ($1)"), {std::span(atlases)})
+    rows += store.Query(Concat("DELETE FROM ", table, "_", partition, " WHERE atlas <> ALL ($1)"), {std::span<const std::int64_t>(atlases)})
                 .changed();
   return static_cast<std::uint64_t>(rows);
 }
@@ -227,21 +227,21 @@ bool Fleet::ok() const {
 void InitFleet(const std::string& uri, std::uint32_t partitions, std::span<const std::string> servers,
                const FleetOptions& options) {
   const std::vector<Holder> holders = HoldersOf(servers, partitions, options);
-  Connection store(uri, {.progress = options.progress});
+  postgresql::Connection store(uri, {.progress = options.progress});
   MakeStore(store);
   if (IsReady(store)) return CheckIsSame(store, partitions, holders);
   RequireNoAtlas(store);
   store.Execute(Concat(kFleetTable, "; INSERT INTO slamdb.fleet DEFAULT VALUES ON CONFLICT DO NOTHING"));
   const std::string id = IdOfFleet(store);
   for (const Holder& holder : holders) {
-    Connection remote(holder.uri, {.progress = options.progress});
+    postgresql::Connection remote(holder.uri, {.progress = options.progress});
     MakeParts(remote, id, partitions, holder.numbers);
   }
   MakeFleet(store, partitions, holders);
 }
 
 Fleet ReadFleet(const std::string& uri) {
-  Connection store(uri);
+  postgresql::Connection store(uri);
   CheckIsStore(store);
   Fleet fleet;
   {
@@ -265,7 +265,7 @@ Fleet ReadFleet(const std::string& uri) {
 }
 
 std::uint64_t RepairFleet(const std::string& uri, const FleetOptions& options) {
-  Connection store(uri, {.progress = options.progress});
+  postgresql::Connection store(uri, {.progress = options.progress});
   CheckIsStore(store);
   std::uint64_t rows = 0;
   for (const Partition& partition : PartitionsOf(store)) {

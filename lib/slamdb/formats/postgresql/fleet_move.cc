@@ -148,7 +148,7 @@ using namespace postgresql;  // NOLINT(google-build-using-namespace): what follo
 
 void MovePartition(const std::string& uri, std::uint32_t partition, const std::string& to,
                    const FleetOptions& options) {
-  Connection store(uri, {.progress = options.progress});
+  postgresql::Connection store(uri, {.progress = options.progress});
   CheckIsStore(store);
   if (!IsFleet(store))
     throw Error(ErrorKind::kUsage, store.path(), "",
@@ -158,7 +158,7 @@ void MovePartition(const std::string& uri, std::uint32_t partition, const std::s
     throw Error(ErrorKind::kUsage, store.path(), "",
                 detail::Concat("has no partition ", partition, ", but 0 to ", partitions - 1));
   FinishMove(store, partition, options);
-  Connection target(to, {.progress = options.progress});
+  postgresql::Connection target(to, {.progress = options.progress});
   const ForeignServer server = ForeignServerOf(target, to);
   const std::optional<ForeignServer> now = ReadForeignServer(store, NameOfServer(partition));
   if (now && now->Label() == server.Label()) return;

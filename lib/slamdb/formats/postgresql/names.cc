@@ -198,8 +198,9 @@ GivenUpRows DeleteGivenUp(Connection& connection, const std::string& name) {
   const std::optional<Named> named = FindNewest(connection, name);
   if (!named) return {};
   const Partition partition = HoldPartition(connection, named->atlas, {});
+  const std::uint64_t undone = UndoUnfinished(connection, partition, named->atlas, named->newest);
   GivenUpRows deleted = DeleteAllBut(connection, named->atlas, NumbersOf(connection, named->atlas));
-  deleted.rows += UndoUnfinished(connection, partition, named->atlas, named->newest);
+  deleted.rows += undone;
   return deleted;
 }
 
