@@ -28,7 +28,7 @@ BEGIN
   END LOOP;
   -- Partitions are tables of their own, which nobody needs to name: rights are those of the table that they are of.
   FOR each IN SELECT inhrelid::regclass::text FROM pg_inherits JOIN pg_class ON pg_class.oid = inhrelid
-              WHERE relnamespace = 'slamdb'::regnamespace LOOP
+              WHERE relnamespace = 'slamdb'::regnamespace AND relkind IN ('r', 'f') LOOP
     EXECUTE format('REVOKE ALL ON %s FROM slamdb_reader, slamdb_writer', each);
   END LOOP;
 END $$;

@@ -5,38 +5,32 @@
 
 #include <algorithm>
 
-#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/postgresql/detail/handles.h"
 
 namespace slamdb::postgresql {
 namespace {
 
-constexpr const char* kStaged = "slamdb_staged";  // the temporary table
-
 std::string TableOf(const std::string& target) { return target.substr(0, target.find(' ')); }
-std::string ColumnsOf(const std::string& target) { return target.substr(target.find(' ') + 1); }  // `(a, b)`
-// Without their parentheses: a SELECT of `(a, b)` would be one row.
-std::string ListOf(const std::string& target) {
-  const std::string columns = ColumnsOf(target);
-  return columns.substr(1, columns.size() - 2);
-}
-std::string PlaceOf(const std::string& target) { return "table " + TableOf(target); }
+
+// `(a, b)` of `table (a, b)`.
+std::string ColumnsOf(const std::string& target) { return target.substr(target.find('(')); }
+
+// `a, b` of the same.
+std::string WithoutParentheses(const std::string& columns) { return columns.substr(1, columns.size() - 2); }
 
 }  // namespace
 
 CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types, Way way)
     : connection_(connection),
       target_(target),
-      way_(way),
-      place_(PlaceOf(target)),
+      place_("table " + TableOf(target)),
+      is_staged_(way == Way::kInBatches || connection.has_row_security()),
       encoder_({connection.path(), place_}, std::move(types)) {
-  std::string table = TableOf(target);
-  if (way == Way::kInBatches) {
-    connection.Execute(detail::Concat("CREATE TEMPORARY TABLE ", kStaged, " ON COMMIT DROP AS SELECT ", ListOf(target),
-                                      " FROM ", table, " WITH NO DATA"));
-    table = detail::Concat("pg_temp.", kStaged);
-  }
-  const std::string sql = "COPY " + table + " " + ColumnsOf(target) + " FROM STDIN (FORMAT binary)";
+  const std::string columns = ColumnsOf(target);
+  if (is_staged_)
+    connection.Execute("CREATE TEMPORARY TABLE staged ON COMMIT DROP AS SELECT " + WithoutParentheses(columns) +
+                       " FROM " + TableOf(target) + " WITH NO DATA");
+  const std::string sql = "COPY " + (is_staged_ ? "staged " + columns : target) + " FROM STDIN (FORMAT binary)";
   const ResultHandle result(PQexec(connection.handle(), sql.c_str()));
   if (PQresultStatus(result.get()) != PGRES_COPY_IN) throw connection.Failure(result.get(), place_);
   is_open_ = true;
@@ -80,14 +74,12 @@ std::int64_t CopyIn::Finish() {
     throw error;
   }
   Drain(connection_.handle());
-  if (way_ == Way::kInBatches) InsertStaged();
+  if (is_staged_) {
+    const std::string columns = WithoutParentheses(ColumnsOf(target_));
+    connection_.Query("INSERT INTO " + target_ + " SELECT " + columns + " FROM staged", {}, place_);
+    connection_.Execute("DROP TABLE staged");
+  }
   return ChangedRows(result.get());
-}
-
-void CopyIn::InsertStaged() {
-  connection_.Query(detail::Concat("INSERT INTO ", target_, " SELECT ", ListOf(target_), " FROM pg_temp.", kStaged), {},
-                    place_);
-  connection_.Execute(detail::Concat("DROP TABLE pg_temp.", kStaged));
 }
 
 }  // namespace slamdb::postgresql

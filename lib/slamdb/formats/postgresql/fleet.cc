@@ -165,7 +165,9 @@ std::uint64_t DeleteStray(Connection& store, std::int64_t partition) {
   for (std::size_t i = 0; i < found.rows(); ++i) atlases.push_back(found[i].Integer(0));
   std::int64_t rows = 0;
   for (const std::string_view table : PartitionedTables())
-    rows += store.Query(Concat("DELETE FROM ", table, "_", partition, " WHERE atlas <> ALL ($1)"), {std::span<const std::int64_t>(atlases)})
+    rows += store
+                .Query(Concat("DELETE FROM ", table, "_", partition, " WHERE atlas <> ALL ($1)"),
+                       {std::span<const std::int64_t>(atlases)})
                 .changed();
   return static_cast<std::uint64_t>(rows);
 }

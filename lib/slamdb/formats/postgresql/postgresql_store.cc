@@ -111,10 +111,9 @@ class PostgresqlStore : public detail::StoreBackend {
  public:
   PostgresqlStore(const std::string& uri, const StoreOptions& options, bool writable)
       : kept_(uri, {.progress = options.progress}), connection_(*kept_), options_(options), writable_(writable) {
-    if (writable)
-      MakeStore(connection_);
-    else
-      CheckIsStore(connection_);
+    writable ? MakeStore(connection_) : CheckIsStore(connection_);
+    if (!writable) return;
+    connection_.set_has_row_security(connection_.Integer("SELECT row_security_active('slamdb.keyframe')") != 0);
   }
 
   const std::string& path() const override { return connection_.path(); }
@@ -224,13 +223,14 @@ class PostgresqlStore : public detail::StoreBackend {
     });
   }
 
-  // Whether every row holds what its hash says.
+  // Whether every row holds what its hash says. What another program saves meanwhile does.
   bool IsWhole(const std::string& name, int threads) {
-    HoldPartition(connection_, postgresql::Find(connection_, name).atlas, lock_options());
     try {
-      ReadOptions how;
-      how.threads = threads;
-      LoadAtlas(connection_, postgresql::Find(connection_, name), how);
+      Reading([&] {
+        ReadOptions how;
+        how.threads = threads;
+        LoadAtlas(connection_, postgresql::Find(connection_, name), how);
+      });
       return true;
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kDamaged) throw;
@@ -248,6 +248,8 @@ SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, co
   rows::CheckName(path(), name);
   detail::EnterOutput(path(), name);
   const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
+  // Before the lock, for which others wait.
+  const bool was_edited = options.verify && options.overwrite && Has(name) && !IsWhole(name, options.threads);
   Transaction transaction(connection_, Transaction::Kind::kWrite);
   LockAtlas(connection_, name, lock_options());
   rows::CheckIsNoRevision(path(), name, [&](const std::string& each) { return postgresql::Has(connection_, each); });
@@ -265,7 +267,6 @@ SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, co
                   Concat("'", name, "' has revision ", newest, " by now, and this was made of ", *options.onto,
                          ": nothing was saved; try again"));
   }
-  const bool was_edited = options.verify && is_there && !IsWhole(name, options.threads);
   if (!options_.sync) connection_.Execute("SET LOCAL synchronous_commit = off");
   SaveReport report = SaveAtlas(connection_, name, atlas, hashes, options, lock_options(), was_edited);
   if (options.before_commit) options.before_commit();

@@ -105,7 +105,7 @@ void SaveCameras(SaveContext& context, const Atlas& atlas, const AtlasHashes& ha
                                {context.atlas}, "table camera");
   for (std::size_t i = 0; i < found.rows(); ++i) stored.push_back(found[i].Integer(0));
   TableChanges& changes = context.changes["camera"];
-  if (stored == hashes.cameras) {
+  if (stored == hashes.cameras && !context.rewrites) {
     changes.unchanged += stored.size();
     return;
   }
@@ -194,9 +194,9 @@ void RemoveMap(SaveContext& context, std::int64_t map) {
 }
 
 // Ends the maps that are in the atlas no more. Returns the stored map of each map of the atlas, with row 0 for none.
-std::vector<rows::StoredMap> MatchMaps(SaveContext& context, const Atlas& atlas, bool rewrite) {
+std::vector<rows::StoredMap> MatchMaps(SaveContext& context, const Atlas& atlas) {
   std::vector<rows::StoredMap> stored = ReadStoredMaps(context);
-  if (!rewrite && !stored.empty())
+  if (!context.rewrites && !stored.empty())
     context.connection.CopyOut(
         Concat("SELECT row, id, timestamp FROM keyframe WHERE atlas = ", context.atlas, " AND until = ", kNewest,
                " AND timestamp IS NOT NULL"),
@@ -206,7 +206,7 @@ std::vector<rows::StoredMap> MatchMaps(SaveContext& context, const Atlas& atlas,
         },
         "table keyframe");
   std::vector<rows::StoredMap> matched(atlas.maps.size());
-  if (!rewrite) {
+  if (!context.rewrites) {
     const std::vector<const rows::StoredMap*> match = rows::MatchMaps(atlas, stored);
     for (std::size_t i = 0; i < match.size(); ++i)
       if (match[i] != nullptr) matched[i] = *match[i];
@@ -315,8 +315,8 @@ std::vector<std::int64_t> NumbersOfMaps(SaveContext& context, const std::vector<
   return numbers;
 }
 
-void SaveContent(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes, bool rewrite) {
-  const std::vector<rows::StoredMap> stored = MatchMaps(context, atlas, rewrite);
+void SaveContent(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
+  const std::vector<rows::StoredMap> stored = MatchMaps(context, atlas);
   const std::vector<std::int64_t> numbers = NumbersOfMaps(context, stored);
   const std::vector<StoredLists> lists =
       context.is_new ? std::vector<StoredLists>(numbers.size()) : ReadStoredLists(context, numbers);
@@ -422,6 +422,7 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atla
   const std::int64_t hash = hashes.Combined();
   SaveContext context{.connection = connection, .options = options};
   context.is_new = found.rows() == 0;
+  context.rewrites = rewrite;
   context.revision = 1;
   if (!context.is_new) {
     context.atlas = found[0].Integer(0);
@@ -439,7 +440,7 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atla
     ++(context.is_new ? context.changes["atlas"].inserted : context.changes["atlas"].updated);
     context.partition = HoldPartition(connection, context.atlas, lock);
     UndoUnfinished(connection, context.partition, context.atlas, context.revision - 1);
-    SaveContent(context, atlas, hashes, rewrite);
+    SaveContent(context, atlas, hashes);
     SaveBytes(context);
   }
   const std::int64_t history = Record(context, name, summary, hash, report.unchanged);

@@ -9,6 +9,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/hash.h"
+#include "slamdb/base/detail/parallel.h"
 #include "slamdb/base/detail/pipeline.h"
 #include "slamdb/formats/postgresql/detail/save.h"
 #include "slamdb/formats/rows/detail/features_blob.h"
@@ -200,7 +201,7 @@ void WriteKeyframes(SaveContext& context, const std::vector<MapToSave>& maps, co
 
 std::set<Uuid> StoredPictures(SaveContext& context) {
   std::set<Uuid> pictures;
-  if (context.is_new) return pictures;
+  if (context.is_new || context.rewrites) return pictures;
   context.connection.CopyOut(
       Concat("SELECT hash FROM picture WHERE atlas = ", context.atlas),
       [&](const Row& row) {
@@ -212,10 +213,29 @@ std::set<Uuid> StoredPictures(SaveContext& context) {
   return pictures;
 }
 
+Uuid HashOfPicture(const KeyFrame& keyframe) {
+  detail::ByteWriter out;
+  rows::EncodePicture(keyframe, out);
+  return detail::Hash128(out.bytes());
+}
+
+// Removes those that are written anew.
+void RemovePictures(SaveContext& context, const std::vector<MapToSave>& maps, const Places& changed) {
+  std::vector<Uuid> hashes(changed.size());
+  detail::ParallelFor(changed.size(), 8, context.options.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n)
+      hashes[n] = HashOfPicture(maps[changed[n].first].map.keyframes[changed[n].second]);
+  });
+  context.connection.Query("DELETE FROM picture WHERE atlas = $1 AND hash = ANY ($2)",
+                           {context.atlas, std::span<const Uuid>(hashes)}, "table picture");
+}
+
 // Those that the atlas does not have yet; the hash of each that it comes to have.
 std::vector<Uuid> WritePictures(SaveContext& context, const std::vector<MapToSave>& maps, const Places& changed) {
   std::vector<Uuid> hashes(changed.size());
   std::set<Uuid> stored = StoredPictures(context);
+  // Those of earlier revisions that are not what their hash says, too, are as they were again where this one has them.
+  if (context.rewrites) RemovePictures(context, maps, changed);
   CopyIn copy(context.connection, PictureTable().target, PictureTable().types, WayOf(context));
   const auto pack = [&](std::size_t n, std::string& bytes) {
     detail::ByteWriter out(std::move(bytes));

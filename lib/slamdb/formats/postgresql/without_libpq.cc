@@ -47,17 +47,15 @@ void Transaction::Commit() {
   Refuse(connection_.path());
 }
 
-CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types, Way way)
+CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types, Way)
     : connection_(connection),
       target_(target),
-      way_(way),
       place_(target),
       encoder_({connection.path(), target}, std::move(types)) {
   Refuse(connection.path());
 }
 CopyIn::~CopyIn() = default;
 void CopyIn::Send() { Refuse(place_); }
-void CopyIn::InsertStaged() { Refuse(place_); }
 std::int64_t CopyIn::Finish() { Refuse(place_); }
 
 }  // namespace slamdb::postgresql

@@ -65,6 +65,10 @@ class Connection {
   // True when the server is not to be heard any more: every call throws from now on.
   bool is_lost() const;
 
+  // Whether row-level security counts for this user: set by who opens the store.
+  bool has_row_security() const { return has_row_security_; }
+  void set_has_row_security(bool has) { has_row_security_ = has; }
+
   // Statements without parameters and results, several with `;` between them.
   void Execute(const std::string& sql);
   // One statement. `place` is what it works on, for errors: `table map_point`.
@@ -85,6 +89,7 @@ class Connection {
   };
   std::string path_;
   std::unique_ptr<pg_conn, Finish> handle_;
+  bool has_row_security_ = false;
 };
 
 // What CopyOut is made of: rows one by one.

@@ -24,7 +24,8 @@ class CopyIn {
     // sends row by row before PostgreSQL 16, and INSERT many at once. Inside a transaction only.
     kInBatches,
   };
-  // `target` is `table (column, ...)`; `types` those of the columns.
+  // `target` is `table (column, ...)`; `types` those of the columns. Where row-level security counts, which COPY does
+  // not know, rows go through a temporary table, too.
   CopyIn(Connection& connection, const std::string& target, std::vector<Type> types, Way way = Way::kStraight);
   ~CopyIn();
   CopyIn(const CopyIn&) = delete;
@@ -57,12 +58,10 @@ class CopyIn {
   }
   void Send();
   [[noreturn]] void ThrowFailure();
-  void InsertStaged();
 
   Connection& connection_;
-  std::string target_;
-  Way way_;
-  std::string place_;
+  std::string target_, place_;
+  bool is_staged_ = false;
   RowEncoder encoder_;
   bool is_open_ = false;
 };

@@ -32,6 +32,7 @@ struct SaveContext {
   std::int64_t revision = 0;  // that the save makes
   bool is_new = false;        // the store has no atlas of that name
   Partition partition;        // where its rows are
+  bool rewrites = false;      // what the store has may not be what its hashes tell
   std::size_t entities = 0, entities_done = 0;
 
   void Report(std::size_t done);  // progress; throws what the callback throws
