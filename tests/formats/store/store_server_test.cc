@@ -247,7 +247,14 @@ TEST_F(StoreRoles, RowLevelSecurityShowsEachItsProjects) {
   EXPECT_EQ(FirstDifference(Store::Open(uri_).Load("secret"), second_), "");
 }
 
+TEST_F(StoreOnServer, TakesAProvenanceOfAnyBytes) {
+  Store::OpenForWriting(uri_).Save("a", second_, {.provenance = "convert \xff\xfe\x01.osa"});
+  EXPECT_THAT(Store::Open(uri_).Log("a").back().provenance, HasSubstr("convert "));
+}
+
 TEST_F(StoreOnServer, OfADatabaseOfOthersSaysSo) {
+  Sql("CREATE DATABASE latin ENCODING LATIN1 TEMPLATE template0 LOCALE 'C'");
+  EXPECT_THAT(ErrorOf([&] { Store::OpenForWriting(Server().Uri("latin")); }), HasSubstr("the database is in LATIN1"));
   const std::string other = Server().Uri(Server().MakeDatabase());
   EXPECT_THAT(ErrorOf([&] { Store::Open(other); }), HasSubstr("holds no store yet"));
   SqlOn(other, "CREATE TABLE public.atlas (row integer)");

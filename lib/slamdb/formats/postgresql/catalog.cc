@@ -16,6 +16,9 @@ namespace {
 
 using detail::Concat;
 
+// What a row takes without its blobs and arrays, and an element of three of these, about.
+constexpr std::uint64_t kPointBytes = 330, kObservationBytes = 16;
+
 std::uint64_t Unsigned(const Row& row, std::size_t column) { return static_cast<std::uint64_t>(row.Integer(column)); }
 
 std::optional<double> RealOrNone(const Row& row, std::size_t column) {
@@ -204,12 +207,15 @@ std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas, co
                                   " WHERE ", table, ".atlas = $1 AND until = 2147483647"),
                            {atlas}));
   };
+  const Result counts =
+      connection.Query("SELECT points, observations FROM atlas WHERE row = $1", {atlas}, "table atlas");
+  if (counts.rows() == 0) return {};
   const std::string pictures = Concat(" JOIN ", partition.Table("picture"),
                                       " ON picture.atlas = keyframe_features.atlas AND picture.hash = picture");
   return {{"features", sum("octet_length(points) + octet_length(columns)", "keyframe_features", pictures)},
           {"keyframes", sum("octet_length(details) + 12 * cardinality(connections)", "keyframe")},
-          {"points", sum("230", "map_point")},
-          {"observations", sum("24 * cardinality(seen_by)", "map_point")},
+          {"points", kPointBytes * static_cast<std::uint64_t>(counts[0].Integer(0))},
+          {"observations", kObservationBytes * static_cast<std::uint64_t>(counts[0].Integer(1))},
           {"landmarks", sum("octet_length(features) + 144", "landmark")}};
 }
 

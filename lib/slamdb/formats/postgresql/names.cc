@@ -80,21 +80,23 @@ std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, con
 
 // Deletes what only revisions have that are not kept.
 GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
+  constexpr std::uint64_t kRowBytes = 200;  // about
   GivenUpRows deleted;
-  for (const Versioned& each : VersionedTables())
-    deleted.rows += static_cast<std::uint64_t>(
-        connection
-            .Query(
-                Concat("DELETE FROM ", each.table,
-                       " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM unnest($2::bigint[]) "
-                       "AS kept (number) WHERE since <= kept.number AND kept.number < until)"),
-                {atlas, std::span(kept)}, Concat("table ", each.table))
-            .changed());
+  for (const Versioned& each : VersionedTables()) {
+    const Result rows = connection.Query(
+        Concat("DELETE FROM ", each.table,
+               " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM "
+               "unnest($2::bigint[]) AS kept (number) WHERE since <= kept.number AND kept.number < until)"),
+        {atlas, std::span(kept)}, Concat("table ", each.table));
+    deleted.rows += static_cast<std::uint64_t>(rows.changed());
+  }
   const Result pictures = connection.Query(
-      "DELETE FROM picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE "
-      "keyframe_features.atlas = $1 AND keyframe_features.picture = picture.hash)",
+      "WITH gone AS (DELETE FROM picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE "
+      "keyframe_features.atlas = $1 AND keyframe_features.picture = picture.hash) RETURNING octet_length(columns) AS "
+      "bytes) SELECT count(*), coalesce(sum(bytes), 0)::bigint FROM gone",
       {atlas}, "table picture");
-  deleted.pictures = static_cast<std::uint64_t>(pictures.changed());
+  deleted.pictures = static_cast<std::uint64_t>(pictures[0].Integer(0));
+  deleted.bytes = kRowBytes * deleted.rows + static_cast<std::uint64_t>(pictures[0].Integer(1));
   return deleted;
 }
 
@@ -187,8 +189,10 @@ GiveUpReport GiveUp(Connection& connection, const std::string& atlas, const Give
     report.atlases.push_back({name, {gone.begin(), gone.end()}, kept.size()});
     if (gone.empty() || kept.empty()) continue;
     DeleteRevisionsBut(connection, named.atlas, kept);
-    if (!HoldPartition(connection, named.atlas, {}).is_remote)
-      report.pictures += DeleteAllBut(connection, named.atlas, kept).pictures;
+    if (HoldPartition(connection, named.atlas, {}).is_remote) continue;
+    const GivenUpRows deleted = DeleteAllBut(connection, named.atlas, kept);
+    report.pictures += deleted.pictures;
+    report.bytes += deleted.bytes;
   }
   return report;
 }

@@ -287,7 +287,11 @@ GiveUpReport PostgresqlStore::GiveUp(const GiveUpOptions& options, const std::st
   }
   for (const GivenUp& atlas : report.atlases)
     if (has_others && !atlas.revisions.empty())
-      Writing([&] { report.pictures += DeleteGivenUp(connection_, atlas.atlas).pictures; });
+      Writing([&] {
+        const GivenUpRows deleted = DeleteGivenUp(connection_, atlas.atlas);
+        report.pictures += deleted.pictures;
+        report.bytes += deleted.bytes;
+      });
   return report;
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/visible.h"
 #include "slamdb/formats/postgresql/detail/catalog.h"
 #include "slamdb/formats/postgresql/detail/names.h"
 #include "slamdb/formats/rows/detail/keyframe_row.h"
@@ -343,7 +344,9 @@ std::int64_t Record(SaveContext& context, const std::string& name, const AtlasSu
   }
   const auto number = [](std::uint64_t value) { return Parameter(static_cast<std::int64_t>(value)); };
   const MapChanges& map = context.map;
-  std::vector<Parameter> parameters{rows::ToolName(), name, context.options.provenance, rows::Who(), hash};
+  // File names in it may be any bytes, which a text of PostgreSQL may not.
+  const std::string provenance = detail::Visible(context.options.provenance);
+  std::vector<Parameter> parameters{rows::ToolName(), name, provenance, rows::Who(), hash};
   for (const std::uint64_t count : {summary.maps, summary.keyframes, summary.points, summary.observations,
                                     rows.inserted, rows.updated, rows.deleted, rows.unchanged})
     parameters.push_back(number(count));

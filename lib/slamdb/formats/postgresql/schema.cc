@@ -171,6 +171,12 @@ void MakeTables(Connection& connection) {
 
 void MakeStore(Connection& connection, int partitions) {
   if (VersionOf(connection) != 0) return CheckIsStore(connection);
+  const Result encoding = connection.Query("SHOW server_encoding");
+  if (encoding[0].Text(0) != "UTF8")
+    throw Error(ErrorKind::kUnsupported, connection.path(), "",
+                Concat("the database is in ", encoding[0].Text(0),
+                       ", and names of atlases are UTF-8: make one with "
+                       "createdb --encoding=UTF8 --template=template0"));
   Transaction transaction(connection, Transaction::Kind::kWrite);
   LockMaking(connection);
   if (VersionOf(connection) != 0) return CheckIsStore(connection);  // somebody was faster

@@ -85,7 +85,7 @@ Salvage SalvageOne(const Source& source, const ReadOptions& options) {
 
 const Format kStoreFormat = {
     .id = "store",
-    .title = "slamdb store (SQLite), several atlases with history in one file",
+    .title = "slamdb store (a SQLite file, a PostgreSQL database), several atlases with history",
     .suffixes = kSuffixes,
     .kind = FileKind::kBinary,
     .named = true,

@@ -30,7 +30,7 @@ void RemoveTag(Connection& connection, const Named& named, const std::string& ta
 // it is on another server, whose rows go once the revisions are gone for good: DeleteGivenUp.
 GiveUpReport GiveUp(Connection& connection, const std::string& atlas, const GiveUpOptions& options);
 struct GivenUpRows {
-  std::uint64_t rows = 0, pictures = 0;
+  std::uint64_t rows = 0, pictures = 0, bytes = 0;
 };
 // What no revision of an atlas has; nothing where there is no such atlas. Inside a transaction of its own.
 GivenUpRows DeleteGivenUp(Connection& connection, const std::string& name);
