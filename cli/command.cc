@@ -19,8 +19,8 @@ std::span<const Command* const> Commands() {
       &kCloseLoops, &kDiff,    &kEvaluate, &kLocate,         &kLandmarksCommand,
       &kAdd,        &kList,    &kLog,      &kRestore,        &kTag,
       &kBranch,     &kGc,      &kSync,     &kRemove,         &kStats,
-      &kVacuum,     &kBackup,  &kMigrate,  &kHelp,           &kCompletion,
-      &kVersion,    &kMan,     &kComplete,
+      &kVacuum,     &kBackup,  &kMigrate,  &kFleet,          &kHelp,
+      &kCompletion, &kVersion, &kMan,      &kComplete,
   };
   return kCommands;
 }

@@ -101,6 +101,7 @@
 #include "slamdb/formats/orbslam3/infer_layout.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/orbslam3/orbslam3.h"
+#include "slamdb/formats/postgresql/fleet.h"
 #include "slamdb/formats/results.h"
 #include "slamdb/formats/rows/options.h"
 #include "slamdb/formats/rows/places.h"

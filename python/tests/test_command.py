@@ -16,6 +16,7 @@ OF_THE_COMMAND = {
     "version": "slamdb.__version__",
     "show": "entities are objects: atlas.maps[0].keyframes[3]",
     "dump": "encode(atlas, format='ndjson')",
+    "fleet": "servers are set up from a shell",
 }
 ELSEWHERE = {  # what does the verb, where it is no function of that name and options
     "add": "Store", "log": "Store", "remove": "Store", "stats": "Store", "vacuum": "Store", "backup": "Store",

@@ -122,6 +122,7 @@ TEST(HelpExamples, Run) {
   for (const HelpExample& example : examples) {
     if (example.verb == "view" && !HasViewPage()) continue;      // built without esbuild
     if (example.verb == "optimize" && !CanOptimize()) continue;  // built without Ceres
+    if (example.verb == "fleet") continue;  // needs servers: tests/formats/postgresql/fleet_test.cc
     const std::string place = folder.Path(std::to_string(number++));
     // Links to what only writing in place would change, and copies of stores.
     ASSERT_EQ(RunShell(world.path().string(), "cp -al . '" + place +

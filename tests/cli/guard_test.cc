@@ -353,6 +353,7 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "TEXT",
       "TRANSFORM",
       "UNIT",
+      "URI",
       "VERB",
       "WHAT",
       "WORD",

@@ -24,6 +24,8 @@ const std::map<std::string, std::vector<std::string>>& More() {
       {"edit", {"--points", "points.csv"}},
       {"evaluate", {"--align", "none"}},
       {"extract", {"--map", "0"}},
+      {"fleet init", {"--partitions", "2"}},
+      {"fleet move", {"--partition", "0", "--to", "postgresql://u:S3cret@127.0.0.1:1/other"}},
       {"layouts from-source", {"sources"}},
       {"layouts show", {"v1.0"}},
       {"man", {"--folder", "pages"}},

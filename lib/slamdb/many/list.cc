@@ -25,6 +25,7 @@ namespace {
 struct StoreRows {
   std::vector<StoredAtlas> atlases;
   std::optional<std::vector<std::string>> matching;  // none: all do
+  std::vector<std::string> unsearched;               // whether these match, their server does not say
   std::string failure;
 
   const StoredAtlas* Find(const std::string& name) const {
@@ -41,7 +42,7 @@ StoreRows ReadStore(const std::string& path, const ListOptions& options) {
   try {
     Store store = Store::Open(path, options.lock_timeout);
     rows.atlases = store.List();
-    if (!options.query.everything()) rows.matching = store.Find(options.query);
+    if (!options.query.everything()) rows.matching = store.Find(options.query, &rows.unsearched);
     // A damaged index may tell them in another order.
     if (!std::ranges::is_sorted(rows.atlases, {}, &StoredAtlas::name))
       std::ranges::sort(rows.atlases, {}, &StoredAtlas::name);
@@ -122,6 +123,9 @@ class Lister {
       throw Error(ErrorKind::kDamaged, atlas.input, "table atlas",
                   "is not among the atlases that the store tells of, but is found: the store is damaged");
     }
+    if (std::ranges::binary_search(store.unsearched, input.location.name))
+      throw Error(ErrorKind::kLocked, atlas.input, "",
+                  "was not searched: the server that has it does not answer; 'slamdb fleet status' tells more");
     if (!store.Matches(input.location.name)) return false;
     Describe(*stored, atlas);
     if (!stored->problem.empty()) {

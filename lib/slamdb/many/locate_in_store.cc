@@ -97,8 +97,10 @@ LocatedInStore LocateInStore(Store& store, std::span<const PictureFeatures> look
   LocatedInStore located;
   located.pictures.resize(looks.size());
   for (const std::string& atlas : places.unknown)
-    located.not_asked.push_back(detail::Concat(
-        atlas, ": the store does not know what all its keyframes look like; save it again, or check it for damage"));
+    located.not_asked.push_back(
+        detail::Concat(atlas,
+                       ": the store does not know what all its keyframes look like; save it again, or check it for "
+                       "damage (of a fleet: see 'slamdb fleet status')"));
   const std::vector<Question> questions = QuestionsOf(places);
   for (std::size_t i = 0; i < questions.size(); ++i) {
     const Question& question = questions[i];

@@ -32,7 +32,7 @@ std::optional<double> RealOrNone(const Row& row, std::size_t column) {
 // As SQL with parameters from `first` on, which it appends.
 class Conditions {
  public:
-  explicit Conditions(const MapQuery& query) {
+  Conditions(const MapQuery& query, const Partition& partition) : partition_(partition) {
     if (query.times) AddTimes(*query.times);
     if (query.keyframes) AddIds(*query.keyframes);
     if (query.near) AddBall(*query.near);
@@ -56,8 +56,9 @@ class Conditions {
     };
     const std::string first = number(ids.first), last = number(ids.last);
     sql_ += Concat(
-        " AND EXISTS (SELECT 1 FROM keyframe WHERE keyframe.atlas = map.atlas AND keyframe.map = map.row AND "
-        "keyframe.until = 2147483647 AND bad = 0 AND (id # (-9223372036854775808)::bigint) BETWEEN ",
+        " AND EXISTS (SELECT 1 FROM ", partition_.Table("keyframe"),
+        " WHERE keyframe.atlas = map.atlas AND keyframe.map = map.row AND keyframe.until = 2147483647 AND bad = 0 AND "
+        "(id # (-9223372036854775808)::bigint) BETWEEN ",
         first, " AND ", last, ")");
   }
   // The box of the map first, by its index; its points where that is met. Of points the box first, too: squares of what
@@ -78,14 +79,15 @@ class Conditions {
     }
     const std::string square = Put(radius * radius);
     const auto has = [&](std::string_view table, std::string_view good) {
-      return Concat("EXISTS (SELECT 1 FROM (SELECT x::float8, y::float8, z::float8 FROM ", table, " WHERE ", table,
-                    ".atlas = map.atlas AND ", table,
+      return Concat("EXISTS (SELECT 1 FROM (SELECT x::float8, y::float8, z::float8 FROM ", partition_.Table(table),
+                    " WHERE ", table, ".atlas = map.atlas AND ", table,
                     ".row BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 AND ", table, ".until = 2147483647",
                     good, ") AS place WHERE CASE WHEN ", in_box, " THEN ", squares, " <= ", square, " ELSE false END)");
     };
     sql_ += Concat(" AND (", has("map_point", " AND bad = 0"), " OR ", has("landmark", ""), ")");
   }
 
+  const Partition& partition_;
   std::string sql_;
   std::vector<Parameter> parameters_;
 };
@@ -192,13 +194,13 @@ std::vector<StoredAtlas> ListAtlases(Connection& connection) {
   return atlases;
 }
 
-std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& query) {
+std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& query, const Partition& partition) {
   if (query.everything()) return NamesOf(connection);
-  const Conditions conditions(query);
-  const Result found = connection.Query(
-      Concat("SELECT name FROM atlas WHERE row IN (SELECT map.atlas FROM map WHERE map.until = 2147483647",
-             conditions.sql(), ") ORDER BY name COLLATE \"C\""),
-      conditions.parameters(), "table map");
+  const Conditions conditions(query, partition);
+  const Result found =
+      connection.Query(Concat("SELECT name FROM atlas WHERE row IN (SELECT map.atlas FROM ", partition.Table("map"),
+                              " WHERE map.until = 2147483647", conditions.sql(), ") ORDER BY name COLLATE \"C\""),
+                       conditions.parameters(), "table map");
   std::vector<std::string> names;
   for (std::size_t i = 0; i < found.rows(); ++i) names.emplace_back(found[i].Text(0));
   return names;
@@ -254,23 +256,23 @@ StoreStats ReadStatistics(Connection& connection) {
   return stats;
 }
 
-std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas) {
-  const auto sum = [&](std::string_view bytes, std::string_view from) {
-    return static_cast<std::uint64_t>(connection.Integer(
-        Concat("SELECT coalesce(sum(", bytes, "), 0)::bigint FROM ", from, ".atlas = $1 AND until = 2147483647"),
-        {atlas}));
+std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas, const Partition& partition) {
+  const auto sum = [&](std::string_view bytes, std::string_view table, std::string_view join = {}) {
+    return static_cast<std::uint64_t>(
+        connection.Integer(Concat("SELECT coalesce(sum(", bytes, "), 0)::bigint FROM ", partition.Table(table), join,
+                                  " WHERE ", table, ".atlas = $1 AND until = 2147483647"),
+                           {atlas}));
   };
   const Result counts =
       connection.Query("SELECT points, observations FROM atlas WHERE row = $1", {atlas}, "table atlas");
   if (counts.rows() == 0) return {};
-  return {
-      {"features", sum("octet_length(points) + octet_length(columns)",
-                       "keyframe_features JOIN picture ON picture.atlas = keyframe_features.atlas AND picture.hash = "
-                       "picture WHERE keyframe_features")},
-      {"keyframes", sum("octet_length(details) + 12 * cardinality(connections)", "keyframe WHERE keyframe")},
-      {"points", kPointBytes * static_cast<std::uint64_t>(counts[0].Integer(0))},
-      {"observations", kObservationBytes * static_cast<std::uint64_t>(counts[0].Integer(1))},
-      {"landmarks", sum("octet_length(features) + 144", "landmark WHERE landmark")}};
+  const std::string pictures = Concat(" JOIN ", partition.Table("picture"),
+                                      " ON picture.atlas = keyframe_features.atlas AND picture.hash = picture");
+  return {{"features", sum("octet_length(points) + octet_length(columns)", "keyframe_features", pictures)},
+          {"keyframes", sum("octet_length(details) + 12 * cardinality(connections)", "keyframe")},
+          {"points", kPointBytes * static_cast<std::uint64_t>(counts[0].Integer(0))},
+          {"observations", kObservationBytes * static_cast<std::uint64_t>(counts[0].Integer(1))},
+          {"landmarks", sum("octet_length(features) + 144", "landmark")}};
 }
 
 }  // namespace slamdb::postgresql

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/hidden_passwords.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/formats/postgresql/detail/handles.h"
 #include "slamdb/formats/rows/detail/provenance.h"
@@ -160,6 +161,22 @@ pg_conn* Connect(const std::string& uri, const std::string& path, const Connecti
     ThrowRefusal(connection.get(), path, is_late, TimeoutOf(connection.get(), options.timeout));
   PQsetErrorVerbosity(connection.get(), PQERRORS_DEFAULT);
   return connection.release();
+}
+
+std::map<std::string, std::string> ParametersOf(const Connection& connection, const std::string& uri) {
+  Settings parameters;
+  const OptionsHandle options(PQconninfoParse(detail::WithHiddenPassword(uri).c_str(), nullptr));
+  for (const PQconninfoOption* option = options.get(); option != nullptr && option->keyword != nullptr; ++option)
+    if (option->val != nullptr && *option->val != 0) parameters[option->keyword] = option->val;
+  pg_conn* handle = connection.handle();
+  const auto add = [&](const char* name, const char* value) {
+    if (value != nullptr && *value != 0) parameters.emplace(name, value);
+  };
+  add("host", PQhost(handle));
+  add("port", PQport(handle));
+  add("dbname", PQdb(handle));
+  add("user", PQuser(handle));
+  return parameters;
 }
 
 }  // namespace slamdb::postgresql

@@ -20,11 +20,11 @@ std::string WithoutParentheses(const std::string& columns) { return columns.subs
 
 }  // namespace
 
-CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types)
+CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types, Way way)
     : connection_(connection),
       target_(target),
       place_("table " + TableOf(target)),
-      is_staged_(connection.has_row_security()),
+      is_staged_(way == Way::kInBatches || connection.has_row_security()),
       encoder_({connection.path(), place_}, std::move(types)) {
   const std::string columns = ColumnsOf(target);
   if (is_staged_)

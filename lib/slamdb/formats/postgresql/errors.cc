@@ -23,6 +23,8 @@ constexpr std::string_view kLetIn = "): check user and password: .pgpass, PGPASS
 constexpr std::string_view kAtWork = "): try again when it is done";
 
 constexpr std::array kMeanings = {
+    Meaning{"08001", ErrorKind::kLocked, "another server, which has the partition, does not answer (",
+            "): its atlases wait for it, 'slamdb fleet status' tells more", true},
     Meaning{"08", ErrorKind::kLocked, "the connection to the server was lost (", kTryAgain, true},
     Meaning{"0A", ErrorKind::kUnsupported, "", ""},
     Meaning{"22", ErrorKind::kNotPossible, "", ""},

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
 
@@ -77,27 +78,31 @@ std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, con
   return rows::KeptOf(all, options);
 }
 
-// Deletes what only revisions have that go.
-void GiveUpAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept,
-                  GiveUpReport& report) {
+// Deletes what only revisions have that are not kept.
+GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
   constexpr std::uint64_t kRowBytes = 200;  // about
+  GivenUpRows deleted;
   for (const Versioned& each : VersionedTables()) {
     const Result rows = connection.Query(
         Concat("DELETE FROM ", each.table,
                " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM "
                "unnest($2::bigint[]) AS kept (number) WHERE since <= kept.number AND kept.number < until)"),
         {atlas, std::span(kept)}, Concat("table ", each.table));
-    report.bytes += kRowBytes * static_cast<std::uint64_t>(rows.changed());
+    deleted.rows += static_cast<std::uint64_t>(rows.changed());
   }
-  connection.Query("DELETE FROM revision WHERE atlas = $1 AND number <> ALL ($2::bigint[])", {atlas, std::span(kept)},
-                   "table revision");
   const Result pictures = connection.Query(
       "WITH gone AS (DELETE FROM picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE "
       "keyframe_features.atlas = $1 AND keyframe_features.picture = picture.hash) RETURNING octet_length(columns) AS "
       "bytes) SELECT count(*), coalesce(sum(bytes), 0)::bigint FROM gone",
       {atlas}, "table picture");
-  report.pictures += static_cast<std::uint64_t>(pictures[0].Integer(0));
-  report.bytes += static_cast<std::uint64_t>(pictures[0].Integer(1));
+  deleted.pictures = static_cast<std::uint64_t>(pictures[0].Integer(0));
+  deleted.bytes = kRowBytes * deleted.rows + static_cast<std::uint64_t>(pictures[0].Integer(1));
+  return deleted;
+}
+
+void DeleteRevisionsBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
+  connection.Query("DELETE FROM revision WHERE atlas = $1 AND number <> ALL ($2::bigint[])", {atlas, std::span(kept)},
+                   "table revision");
 }
 
 }  // namespace
@@ -125,6 +130,12 @@ Named Find(Connection& connection, const RevisionName& revision) {
 
 std::vector<std::string> NamesOf(Connection& connection) {
   return Texts(connection.Query("SELECT name FROM atlas ORDER BY name COLLATE \"C\"", {}, "table atlas"));
+}
+
+std::vector<std::string> NamesIn(Connection& connection, std::int64_t partition) {
+  return Texts(connection.Query(
+      Concat("SELECT name FROM atlas WHERE ", IsInPartition("row", "$1::integer"), " ORDER BY name COLLATE \"C\""),
+      {static_cast<std::int32_t>(partition)}, "table atlas"));
 }
 
 bool Has(Connection& connection, const std::string& name) {
@@ -186,9 +197,25 @@ GiveUpReport GiveUp(Connection& connection, const std::string& atlas, const Give
     std::vector<std::int64_t> gone;
     std::ranges::set_difference(NumbersOf(connection, named.atlas), kept, std::back_inserter(gone));
     report.atlases.push_back({name, {gone.begin(), gone.end()}, kept.size()});
-    if (!gone.empty() && !kept.empty()) GiveUpAllBut(connection, named.atlas, kept, report);
+    if (gone.empty() || kept.empty()) continue;
+    DeleteRevisionsBut(connection, named.atlas, kept);
+    if (HoldPartition(connection, named.atlas, {}).is_remote) continue;
+    const GivenUpRows deleted = DeleteAllBut(connection, named.atlas, kept);
+    report.pictures += deleted.pictures;
+    report.bytes += deleted.bytes;
   }
   return report;
+}
+
+GivenUpRows DeleteGivenUp(Connection& connection, const std::string& name) {
+  LockAtlas(connection, name, {});
+  const std::optional<Named> named = FindNewest(connection, name);
+  if (!named) return {};
+  const Partition partition = HoldPartition(connection, named->atlas, {});
+  const std::uint64_t undone = UndoUnfinished(connection, partition, named->atlas, named->newest);
+  GivenUpRows deleted = DeleteAllBut(connection, named->atlas, NumbersOf(connection, named->atlas));
+  deleted.rows += undone;
+  return deleted;
 }
 
 }  // namespace slamdb::postgresql

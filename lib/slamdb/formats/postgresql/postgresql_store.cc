@@ -11,6 +11,7 @@
 #include "slamdb/formats/postgresql/detail/kept_connection.h"
 #include "slamdb/formats/postgresql/detail/load.h"
 #include "slamdb/formats/postgresql/detail/names.h"
+#include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/save.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
@@ -22,36 +23,57 @@ namespace {
 
 using detail::Concat;
 
-StoredPlaces FindPlaces(Connection& connection, std::span<const std::span<const Descriptor>> pictures,
-                        const PlaceOptions& options) {
-  std::map<std::int64_t, rows::PlaceMap> maps;
-  std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> keys;  // atlas and row of a map to its key in `maps`
-  connection.CopyOut(
-      "SELECT atlas, map.row, name, id FROM map JOIN atlas ON atlas.row = map.atlas WHERE until = 2147483647 ORDER BY "
-      "atlas, map.row",
-      [&](const Row& row) {
-        const auto key = static_cast<std::int64_t>(maps.size());
-        keys[{row.Integer(0), row.Integer(1)}] = key;
-        maps[key] = {std::string(row.Text(2)), MapId(static_cast<std::uint64_t>(row.Integer(3)))};
-      },
-      "table map");
-  std::vector<rows::PlaceKeyframe> keyframes;
-  connection.CopyOut(
-      "SELECT keyframe.atlas, map, id, words FROM keyframe LEFT JOIN keyframe_words ON keyframe_words.atlas = "
-      "keyframe.atlas AND keyframe_words.keyframe = row WHERE until = 2147483647 ORDER BY keyframe.atlas, row",
-      [&](const Row& row) {
-        const auto key = keys.find({row.Integer(0), row.Integer(1)});
-        if (key == keys.end()) return;
-        rows::PlaceKeyframe& keyframe = keyframes.emplace_back(
-            rows::PlaceKeyframe{.map = key->second, .id = static_cast<std::uint64_t>(row.Integer(2))});
-        const Bytes words = row.Blob(3);
-        if (words.size() != sizeof(rows::PlaceWords)) return;
-        std::memcpy(keyframe.words.data(), words.data(), words.size());
-        keyframe.is_unknown = false;
-      },
-      "table keyframe_words");
-  return rows::FindPlaces(maps, std::move(keyframes), pictures, options);
-}
+// What the keyframes of all atlases look like.
+class Places {
+ public:
+  // Of a partition on another server, its own; else those of all. What it throws leaves it as it was.
+  void Read(Connection& connection, const Partition& partition = {}) {
+    connection.CopyOut(
+        Concat("SELECT atlas, map.row, name, id FROM ", partition.Table("map"),
+               " JOIN atlas ON atlas.row = map.atlas WHERE until = 2147483647 ORDER BY atlas, map.row"),
+        [&](const Row& row) {
+          const auto key = static_cast<std::int64_t>(maps_.size());
+          keys_[{row.Integer(0), row.Integer(1)}] = key;
+          maps_[key] = {std::string(row.Text(2)), MapId(static_cast<std::uint64_t>(row.Integer(3)))};
+        },
+        "table map");
+    const std::size_t before = keyframes_.size();
+    try {
+      ReadKeyframes(connection, partition);
+    } catch (...) {
+      keyframes_.resize(before);
+      throw;
+    }
+  }
+
+  StoredPlaces Find(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) && {
+    return rows::FindPlaces(maps_, std::move(keyframes_), pictures, options);
+  }
+
+ private:
+  void ReadKeyframes(Connection& connection, const Partition& partition) {
+    connection.CopyOut(
+        Concat("SELECT keyframe.atlas, map, id, words FROM ", partition.Table("keyframe"), " LEFT JOIN ",
+               partition.Table("keyframe_words"),
+               " ON keyframe_words.atlas = keyframe.atlas AND keyframe_words.keyframe = row WHERE until = 2147483647 "
+               "ORDER BY keyframe.atlas, row"),
+        [&](const Row& row) { AddKeyframe(row); }, "table keyframe_words");
+  }
+  void AddKeyframe(const Row& row) {
+    const auto key = keys_.find({row.Integer(0), row.Integer(1)});
+    if (key == keys_.end()) return;
+    rows::PlaceKeyframe& keyframe = keyframes_.emplace_back(
+        rows::PlaceKeyframe{.map = key->second, .id = static_cast<std::uint64_t>(row.Integer(2))});
+    const Bytes words = row.Blob(3);
+    if (words.size() != sizeof(rows::PlaceWords)) return;
+    std::memcpy(keyframe.words.data(), words.data(), words.size());
+    keyframe.is_unknown = false;
+  }
+
+  std::map<std::int64_t, rows::PlaceMap> maps_;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> keys_;  // atlas and row of a map to its key in maps_
+  std::vector<rows::PlaceKeyframe> keyframes_;
+};
 
 class PostgresqlStore : public detail::StoreBackend {
   template <class Work>
@@ -64,6 +86,26 @@ class PostgresqlStore : public detail::StoreBackend {
     Transaction transaction(connection_, Transaction::Kind::kWrite);
     work();
     transaction.Commit();
+  }
+  // Calls work(partition) for all at once, Partition(); or, when one of the servers that have partitions does not
+  // answer, for each, and names the atlases of those that fail. Throws what fails where nobody asks for these.
+  template <class Work>
+  void OfAll(const Work& work, std::vector<std::string>* failed) {
+    try {
+      return Reading([&] { work(Partition()); });
+    } catch (const Error& error) {
+      if (failed == nullptr || connection_.is_lost() || !IsOfOtherServer(error)) throw;
+    }
+    for (const Partition& partition : Reading([&] { return PartitionsOf(connection_); })) {
+      try {
+        Reading([&] { work(Partition{partition.number, true}); });  // also of its own server: by name
+      } catch (const Error& error) {
+        if (connection_.is_lost() || !IsOfOtherServer(error)) throw;
+        const auto names = Reading([&] { return NamesIn(connection_, partition.number); });
+        failed->insert(failed->end(), names.begin(), names.end());
+      }
+    }
+    std::ranges::sort(*failed);
   }
 
  public:
@@ -81,8 +123,14 @@ class PostgresqlStore : public detail::StoreBackend {
   std::vector<StoredAtlas> List() override {
     return Reading([&] { return ListAtlases(connection_); });
   }
-  std::vector<std::string> Find(const MapQuery& query) override {
-    return Reading([&] { return FindAtlases(connection_, query); });
+  std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched) override {
+    std::vector<std::string> found;
+    const auto search = [&](const Partition& partition) {
+      for (std::string& name : FindAtlases(connection_, query, partition)) found.push_back(std::move(name));
+    };
+    OfAll(search, unsearched);
+    std::ranges::sort(found);
+    return found;
   }
   std::vector<HistoryEntry> Log(const std::string& name) override {
     return Reading([&] { return ReadHistory(connection_, name); });
@@ -97,7 +145,13 @@ class PostgresqlStore : public detail::StoreBackend {
     return Reading([&] { return ReadChains(connection_, query); });
   }
   StoredPlaces PlacesLike(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) override {
-    return Reading([&] { return FindPlaces(connection_, pictures, options); });
+    Places places;
+    std::vector<std::string> unsearched;
+    OfAll([&](const Partition& partition) { places.Read(connection_, partition); }, &unsearched);
+    StoredPlaces found = std::move(places).Find(pictures, options);
+    found.unknown.insert(found.unknown.end(), unsearched.begin(), unsearched.end());
+    std::ranges::sort(found.unknown);
+    return found;
   }
   bool Has(const std::string& name) override {
     return Reading([&] { return postgresql::Has(connection_, name); });
@@ -109,12 +163,14 @@ class PostgresqlStore : public detail::StoreBackend {
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) override;
   Atlas Load(const std::string& name, const ReadOptions& options) override {
     detail::EnterInput(path(), name);
-    return Reading([&] {
-      const Named named = postgresql::Find(connection_, name);
-      if (options.part_sizes != nullptr && named.is_newest())
-        *options.part_sizes = PartSizesOf(connection_, named.atlas);
-      return LoadAtlas(connection_, named, options);
-    });
+    Named read;
+    try {
+      return LoadOnce(name, options, read);
+    } catch (const Error& error) {
+      // Another server may have answered when the atlas was removed already, or the revision given up.
+      if (error.kind() != ErrorKind::kDamaged || !IsGone(name, read)) throw;
+    }
+    return LoadOnce(name, options, read);
   }
   Atlas LoadOnto(const RevisionName& revision, const Atlas& base, const ReadOptions& options) override {
     return Reading(
@@ -144,12 +200,7 @@ class PostgresqlStore : public detail::StoreBackend {
   void Untag(const std::string& name, const std::string& tag) override {
     Writing([&] { RemoveTag(connection_, postgresql::Find(connection_, name), tag); });
   }
-  GiveUpReport GiveUp(const GiveUpOptions& options, const std::string& name) override {
-    Transaction transaction(connection_, Transaction::Kind::kWrite);
-    GiveUpReport report = postgresql::GiveUp(connection_, name, options);
-    if (!options.dry_run) transaction.Commit();
-    return report;
-  }
+  GiveUpReport GiveUp(const GiveUpOptions& options, const std::string& name) override;
 
   void Remove(const std::string& name) override;
   StoreStats Stats() override {
@@ -165,6 +216,26 @@ class PostgresqlStore : public detail::StoreBackend {
   }
 
  private:
+  LockOptions lock_options() const { return {options_.lock_timeout, options_.progress}; }
+
+  Atlas LoadOnce(const std::string& name, const ReadOptions& options, Named& named) {
+    return Reading([&] {
+      named = postgresql::Find(connection_, name);
+      if (options.part_sizes != nullptr && named.is_newest())
+        *options.part_sizes = PartSizesOf(connection_, named.atlas, PartitionOf(connection_, named.atlas));
+      return LoadAtlas(connection_, named, options);
+    });
+  }
+  // Whether the name means another revision than `read` by now, of a store with other servers.
+  // Throws Error (kNotFound) when it means none.
+  bool IsGone(const std::string& name, const Named& read) {
+    return Reading([&] {
+      if (!IsFleet(connection_)) return false;
+      const Named now = postgresql::Find(connection_, name);
+      return now.atlas != read.atlas || now.number != read.number;
+    });
+  }
+
   // Whether every row holds what its hash says. What another program saves meanwhile does.
   bool IsWhole(const std::string& name, int threads) {
     try {
@@ -193,7 +264,7 @@ SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, co
   // Before the lock, for which others wait.
   const bool was_edited = options.verify && options.overwrite && Has(name) && !IsWhole(name, options.threads);
   Transaction transaction(connection_, Transaction::Kind::kWrite);
-  LockAtlas(connection_, name, {options_.lock_timeout, options_.progress});
+  LockAtlas(connection_, name, lock_options());
   if (!options.recorded)
     rows::CheckIsNoRevision(path(), name, [&](const std::string& each) { return postgresql::Has(connection_, each); });
   const Result found = connection_.Query("SELECT revision, hash FROM atlas WHERE name = $1", {name}, "table atlas");
@@ -211,29 +282,52 @@ SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, co
                          ": nothing was saved; try again"));
   }
   if (!options_.sync) connection_.Execute("SET LOCAL synchronous_commit = off");
-  SaveReport report = SaveAtlas(connection_, name, atlas, hashes, options, was_edited);
+  SaveReport report = SaveAtlas(connection_, name, atlas, hashes, options, lock_options(), was_edited);
   if (options.before_commit) options.before_commit();
   transaction.Commit();
   return report;
 }
 
+// On another server rows go once the store has forgotten them for good, as that server commits by itself.
+GiveUpReport PostgresqlStore::GiveUp(const GiveUpOptions& options, const std::string& name) {
+  GiveUpReport report;
+  bool has_others = false;
+  {
+    Transaction transaction(connection_, Transaction::Kind::kWrite);
+    report = postgresql::GiveUp(connection_, name, options);
+    if (options.dry_run) return report;
+    has_others = IsFleet(connection_);
+    transaction.Commit();
+  }
+  for (const GivenUp& atlas : report.atlases)
+    if (has_others && !atlas.revisions.empty())
+      Writing([&] {
+        const GivenUpRows deleted = DeleteGivenUp(connection_, atlas.atlas);
+        report.pictures += deleted.pictures;
+        report.bytes += deleted.bytes;
+      });
+  return report;
+}
+
 void PostgresqlStore::Remove(const std::string& name) {
+  std::int64_t atlas = 0;
+  Partition partition;
   Writing([&] {
-    LockAtlas(connection_, name, {options_.lock_timeout, options_.progress});
-    const std::int64_t atlas = postgresql::Find(connection_, name).atlas;
-    std::int64_t deleted = 0;
-    for (const Versioned& each : VersionedTables())
-      deleted += connection_.Query(Concat("DELETE FROM ", each.table, " WHERE atlas = $1"), {atlas}).changed();
-    for (const char* table : {"keyframe_words", "picture"})
-      deleted += connection_.Query(Concat("DELETE FROM ", table, " WHERE atlas = $1"), {atlas}).changed();
+    LockAtlas(connection_, name, lock_options());
+    atlas = postgresql::Find(connection_, name).atlas;
+    partition = HoldPartition(connection_, atlas, lock_options());
+    const std::int64_t deleted = partition.is_remote ? CountRows(connection_, atlas) : DeleteRows(connection_, atlas);
     connection_.Query(
         "INSERT INTO history (at, tool, action, atlas, provenance, maps, keyframes, points, observations, hash, "
-        "inserted, "
-        "updated, deleted, unchanged, who) SELECT now(), $2, 'remove', name, '', maps, keyframes, points, "
-        "observations, "
-        "hash, 0, 0, $3, 0, $4 FROM atlas WHERE row = $1",
+        "inserted, updated, deleted, unchanged, who) SELECT now(), $2, 'remove', name, '', maps, keyframes, points, "
+        "observations, hash, 0, 0, $3, 0, $4 FROM atlas WHERE row = $1",
         {atlas, rows::ToolName(), deleted, rows::Who()}, "table history");
     connection_.Query("DELETE FROM atlas WHERE row = $1", {atlas}, "table atlas");  // and its revisions and tags
+  });
+  if (!partition.is_remote) return;
+  Writing([&] {
+    HoldPartition(connection_, atlas, lock_options());
+    DeleteRows(connection_, atlas);
   });
 }
 

@@ -100,7 +100,7 @@ void SaveAtlasRow(SaveContext& context, const std::string& name, std::int64_t ha
 
 void SaveBytes(SaveContext& context) {
   std::uint64_t bytes = 0;
-  for (const PartSize& part : PartSizesOf(context.connection, context.atlas)) bytes += part.bytes;
+  for (const PartSize& part : PartSizesOf(context.connection, context.atlas, context.partition)) bytes += part.bytes;
   context.connection.Query("UPDATE atlas SET bytes = $2 WHERE row = $1",
                            {context.atlas, static_cast<std::int64_t>(bytes)}, "table atlas");
 }
@@ -432,7 +432,7 @@ void InsertRow(Connection& connection, std::string_view columns, std::span<const
 }
 
 SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
-                     const SaveOptions& options, bool rewrite) {
+                     const SaveOptions& options, const LockOptions& lock, bool rewrite) {
   const Result found = connection.Query("SELECT row, revision, hash FROM atlas WHERE name = $1", {name}, "table atlas");
   const std::int64_t hash = hashes.Combined();
   SaveContext context{.connection = connection, .options = options};
@@ -451,6 +451,8 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atla
   } else {
     SaveAtlasRow(context, name, hash, summary);
     ++(context.is_new ? context.changes["atlas"].inserted : context.changes["atlas"].updated);
+    context.partition = HoldPartition(connection, context.atlas, lock);
+    UndoUnfinished(connection, context.partition, context.atlas, context.revision - 1);
     SaveContent(context, atlas, hashes);
     SaveBytes(context);
   }

@@ -83,6 +83,10 @@ void PutCarried(CopyIn& copy, const Boxed<Carried>& carried, detail::ByteWriter&
   copy.Put(bytes.bytes());
 }
 
+CopyIn::Way WayOf(const SaveContext& context) {
+  return context.partition.is_remote ? CopyIn::Way::kInBatches : CopyIn::Way::kStraight;
+}
+
 // Which entries of a list a save writes: (index of the map, index in the list).
 using Places = std::vector<std::pair<std::size_t, std::size_t>>;
 
@@ -158,7 +162,7 @@ void CountMoved(SaveContext& context, const std::vector<MapToSave>& maps, const 
 void WriteKeyframes(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
                     const Places& changed) {
   if (changed.empty()) return;
-  CopyIn copy(context.connection, KeyframeTable().target, KeyframeTable().types);
+  CopyIn copy(context.connection, KeyframeTable().target, KeyframeTable().types, WayOf(context));
   rows::KeyframeRow columns;
   detail::ByteWriter carried;
   std::vector<std::int64_t> ids;
@@ -232,7 +236,7 @@ std::vector<Uuid> WritePictures(SaveContext& context, const std::vector<MapToSav
   std::set<Uuid> stored = StoredPictures(context);
   // Those of earlier revisions that are not what their hash says, too, are as they were again where this one has them.
   if (context.rewrites) RemovePictures(context, maps, changed);
-  CopyIn copy(context.connection, PictureTable().target, PictureTable().types);
+  CopyIn copy(context.connection, PictureTable().target, PictureTable().types, WayOf(context));
   const auto pack = [&](std::size_t n, std::string& bytes) {
     detail::ByteWriter out(std::move(bytes));
     rows::EncodePicture(maps[changed[n].first].map.keyframes[changed[n].second], out);
@@ -257,7 +261,7 @@ void WriteFeatures(SaveContext& context, const std::vector<MapToSave>& maps, con
                    const Places& changed) {
   if (changed.empty()) return;
   const std::vector<Uuid> pictures = WritePictures(context, maps, changed);
-  CopyIn copy(context.connection, FeaturesTable().target, FeaturesTable().types);
+  CopyIn copy(context.connection, FeaturesTable().target, FeaturesTable().types, WayOf(context));
   detail::ByteWriter points;
   for (std::size_t n = 0; n < changed.size(); ++n) {
     const auto& [i, k] = changed[n];
@@ -291,7 +295,7 @@ void WriteWords(SaveContext& context, const std::vector<MapToSave>& maps, const 
   if (!old.empty())
     context.connection.Query("DELETE FROM keyframe_words WHERE atlas = $1 AND keyframe = ANY ($2)",
                              {context.atlas, std::span<const std::int64_t>(old)}, "table keyframe_words");
-  CopyIn copy(context.connection, WordsTable().target, WordsTable().types);
+  CopyIn copy(context.connection, WordsTable().target, WordsTable().types, WayOf(context));
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const std::vector<rows::PlaceWords> words = rows::PlaceWordsOf(maps[i].map, changed[i], context.options.threads);
     for (std::size_t n = 0; n < words.size(); ++n)
@@ -378,7 +382,7 @@ void CountPointChanges(SaveContext& context, const std::vector<MapToSave>& maps,
 void WritePoints(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
                  const Places& changed) {
   if (changed.empty()) return;
-  CopyIn copy(context.connection, PointTable().target, PointTable().types);
+  CopyIn copy(context.connection, PointTable().target, PointTable().types, WayOf(context));
   rows::PointRow columns;
   detail::ByteWriter carried;
   std::vector<std::int64_t> seen_by;
@@ -457,7 +461,7 @@ void SaveLandmarks(SaveContext& context, const std::vector<MapToSave>& maps, con
   }
   EndRows(context, "landmark", ended);
   if (changed.empty()) return;
-  CopyIn copy(context.connection, LandmarkTable().target, LandmarkTable().types);
+  CopyIn copy(context.connection, LandmarkTable().target, LandmarkTable().types, WayOf(context));
   rows::LandmarkRow columns;
   for (const auto& [i, k] : changed) {
     const ListPlan::Entry& entry = plans[i].landmarks.entries[k];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/postgresql/detail/schema.h"
 
+#include <iterator>
+
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/server.h"
 #include "slamdb/formats/postgresql/detail/migrations_sql.h"
@@ -116,6 +118,28 @@ const Table& LandmarkTable() {
 
 std::span<const Versioned> VersionedTables() { return kVersioned; }
 
+std::vector<std::string_view> PartitionedTables() {
+  std::vector<std::string_view> tables;
+  for (const Versioned& each : VersionedTables()) tables.push_back(each.table);
+  tables.insert(tables.end(), std::begin(kUnversioned), std::end(kUnversioned));
+  return tables;
+}
+
+std::int64_t DeleteRows(Connection& connection, std::int64_t atlas) {
+  std::int64_t deleted = 0;
+  for (const std::string_view table : PartitionedTables())
+    deleted += connection.Query(Concat("DELETE FROM ", table, " WHERE atlas = $1"), {atlas}, Concat("table ", table))
+                   .changed();
+  return deleted;
+}
+
+std::int64_t CountRows(Connection& connection, std::int64_t atlas) {
+  std::int64_t rows = 0;
+  for (const std::string_view table : PartitionedTables())
+    rows += connection.Integer(Concat("SELECT count(*) FROM ", table, " WHERE atlas = $1"), {atlas});
+  return rows;
+}
+
 int NewestVersion() { return Migrations().back().number; }
 
 int VersionOf(Connection& connection) {
@@ -125,6 +149,9 @@ int VersionOf(Connection& connection) {
 
 void CheckIsStore(Connection& connection) {
   const int version = VersionOf(connection);
+  if (version != 0 && connection.Integer("SELECT partitions FROM slamdb.store") == 0)
+    throw Error(ErrorKind::kUsage, connection.path(), "",
+                "holds partitions of a store that is on another server: name that one");
   if (version == NewestVersion()) return;
   if (version == 0)
     throw Error(ErrorKind::kNotFound, connection.path(), "",
@@ -133,6 +160,13 @@ void CheckIsStore(Connection& connection) {
       ErrorKind::kUnsupported, connection.path(), "",
       Concat("store version ", version, ", this program knows ", NewestVersion(),
              version > NewestVersion() ? ": use the slamdb that wrote it, or a newer one" : ": migrate it first"));
+}
+
+void LockMaking(Connection& connection) { connection.Query("SELECT pg_advisory_xact_lock($1)", {kMakingLock}); }
+
+void MakeTables(Connection& connection) {
+  connection.Execute("CREATE SCHEMA IF NOT EXISTS slamdb");
+  for (const Migration& migration : Migrations()) connection.Execute(std::string(migration.sql));
 }
 
 void MakeStore(Connection& connection, int partitions) {
@@ -144,12 +178,10 @@ void MakeStore(Connection& connection, int partitions) {
                        ", and names of atlases are UTF-8: make one with "
                        "createdb --encoding=UTF8 --template=template0"));
   Transaction transaction(connection, Transaction::Kind::kWrite);
-  connection.Query("SELECT pg_advisory_xact_lock($1)", {kMakingLock});
+  LockMaking(connection);
   if (VersionOf(connection) != 0) return CheckIsStore(connection);  // somebody was faster
-  connection.Execute("CREATE SCHEMA IF NOT EXISTS slamdb");
-  for (const Migration& migration : Migrations()) connection.Execute(std::string(migration.sql));
-  for (const Versioned& each : VersionedTables()) MakePartitions(connection, each.table, partitions);
-  for (const std::string_view table : kUnversioned) MakePartitions(connection, table, partitions);
+  MakeTables(connection);
+  for (const std::string_view table : PartitionedTables()) MakePartitions(connection, table, partitions);
   connection.Query("INSERT INTO store (version, partitions) VALUES ($1, $2)", {NewestVersion(), partitions});
   transaction.Commit();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // In place of what needs libpq, where it is not there: nobody gets a Connection, so nothing else is ever called.
 #include "slamdb/base/detail/server.h"
+#include "slamdb/formats/postgresql/detail/connect.h"
 #include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/postgresql/detail/copy_in.h"
 
@@ -29,6 +30,10 @@ void Connection::Execute(const std::string&) { Refuse(path_); }
 Result Connection::Query(const std::string&, const std::vector<Parameter>&, std::string) { Refuse(path_); }
 std::int64_t Connection::Integer(const std::string&, const std::vector<Parameter>&) { Refuse(path_); }
 
+std::map<std::string, std::string> ParametersOf(const Connection& connection, const std::string&) {
+  Refuse(connection.path());
+}
+
 struct CopyReader::State {};
 CopyReader::CopyReader(Connection& connection, const std::string&, std::string) { Refuse(connection.path()); }
 CopyReader::~CopyReader() = default;
@@ -42,8 +47,11 @@ void Transaction::Commit() {
   Refuse(connection_.path());
 }
 
-CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types)
-    : connection_(connection), place_(target), encoder_({connection.path(), target}, std::move(types)) {
+CopyIn::CopyIn(Connection& connection, const std::string& target, std::vector<Type> types, Way)
+    : connection_(connection),
+      target_(target),
+      place_(target),
+      encoder_({connection.path(), target}, std::move(types)) {
   Refuse(connection.path());
 }
 CopyIn::~CopyIn() = default;

@@ -33,18 +33,24 @@ std::string HolderOf(Connection& connection, std::int64_t key) {
 
 }  // namespace
 
-void LockAtlas(Connection& connection, const std::string& name, const LockOptions& options) {
+void WaitForLock(const std::function<bool()>& take, const LockOptions& options, const std::function<Error()>& failure) {
   using Clock = std::chrono::steady_clock;
-  const std::int64_t key = KeyOf(name);
   const Clock::time_point start = Clock::now();
   for (std::chrono::milliseconds pause = kFirstPause;; pause = std::min(2 * pause, kLongestPause)) {
-    if (connection.Integer("SELECT pg_try_advisory_xact_lock($1)", {key}) != 0) return;
-    if (std::chrono::duration<double>(Clock::now() - start).count() >= options.timeout)
-      throw Error(ErrorKind::kLocked, connection.path(), "",
-                  detail::Concat("'", name, "' is locked by ", HolderOf(connection, key)));
+    if (take()) return;
+    if (std::chrono::duration<double>(Clock::now() - start).count() >= options.timeout) throw failure();
     if (options.progress) options.progress("waiting for the lock", 0);
     std::this_thread::sleep_for(pause);
   }
+}
+
+void LockAtlas(Connection& connection, const std::string& name, const LockOptions& options) {
+  const std::int64_t key = KeyOf(name);
+  WaitForLock([&] { return connection.Integer("SELECT pg_try_advisory_xact_lock($1)", {key}) != 0; }, options,
+              [&] {
+                return Error(ErrorKind::kLocked, connection.path(), "",
+                             detail::Concat("'", name, "' is locked by ", HolderOf(connection, key)));
+              });
 }
 
 std::string TextOfTime(std::string_view column) {

@@ -278,7 +278,9 @@ class SqliteStore : public detail::StoreBackend {
   const std::string& path() const override { return state_->database.path(); }
   std::vector<std::string> Names() override { return NamesOf(state_->database); }
   std::vector<StoredAtlas> List() override { return ListAtlases(state_->database); }
-  std::vector<std::string> Find(const MapQuery& query) override { return FindAtlases(state_->database, query); }
+  std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>*) override {
+    return FindAtlases(state_->database, query);
+  }
   std::vector<HistoryEntry> Log(const std::string& name) override { return ReadHistory(state_->database, name); }
   HistoryEntry LogOf(const RevisionName& revision) override {
     const Transaction transaction(state_->database, Transaction::Kind::kBegin);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "slamdb/export.h"
+#include "slamdb/formats/postgresql/fleet.h"
 #include "slamdb/formats/store/store.h"
 
 // What a store tells of itself, as JSON.
@@ -25,5 +26,8 @@ namespace slamdb {
 
 // As schema/stats.schema.json describes it.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const StoreStats& stats, const std::string& input = {});
+
+// As schema/fleet.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const Fleet& fleet, const std::string& input = {});
 
 }  // namespace slamdb

@@ -86,4 +86,17 @@ std::string ToJson(const StoreStats& stats, const std::string& input) {
   return detail::JsonText(json);
 }
 
+std::string ToJson(const Fleet& fleet, const std::string& input) {
+  Json json = detail::ReportHead("fleet", input);
+  json["ok"] = fleet.ok();
+  json["partitions"] = Json::array();
+  for (const FleetPartition& each : fleet.partitions)
+    json["partitions"].push_back({{"partition", each.number},
+                                  {"server", detail::TextOrNull(each.server)},
+                                  {"atlases", each.atlases},
+                                  {"bytes", each.bytes},
+                                  {"failure", detail::TextOrNull(each.failure)}});
+  return detail::JsonText(json);
+}
+
 }  // namespace slamdb

@@ -50,7 +50,9 @@ std::vector<std::string> Store::Names() { return backend_->Names(); }
 
 std::vector<StoredAtlas> Store::List() { return backend_->List(); }
 
-std::vector<std::string> Store::Find(const MapQuery& query) { return backend_->Find(query); }
+std::vector<std::string> Store::Find(const MapQuery& query, std::vector<std::string>* unsearched) {
+  return backend_->Find(query, unsearched);
+}
 
 std::vector<HistoryEntry> Store::Log(const std::string& name) { return backend_->Log(name); }
 

@@ -63,9 +63,11 @@ class SLAMDB_EXPORT Store {
   Store& operator=(Store&&) noexcept;
 
   const std::string& path() const;
-  std::vector<std::string> Names();                             // ascending; without a look at what they name
-  std::vector<StoredAtlas> List();                              // by name
-  std::vector<std::string> Find(const MapQuery& query);         // whose atlases match (model/map_query.h), ascending
+  std::vector<std::string> Names();  // ascending; without a look at what they name
+  std::vector<StoredAtlas> List();   // by name
+  // The atlases that match (model/map_query.h), ascending. Where the server of a partition (postgresql/fleet.h) does
+  // not answer, the others are searched, and the names of its atlases come into `unsearched`; without that, it throws.
+  std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched = nullptr);
   std::vector<HistoryEntry> Log(const std::string& name = {});  // oldest first; empty name: everything
   // What the log says of one revision, by its number.
   //

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slamdb/formats/postgresql/detail/connection.h"
+#include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/rows/stored.h"
 #include "slamdb/model/map_query.h"
 
@@ -12,8 +13,8 @@
 namespace slamdb::postgresql {
 
 std::vector<StoredAtlas> ListAtlases(Connection& connection);  // by name
-// The names of the atlases that match, ascending.
-std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& query);
+// The names of the atlases that match, ascending; of a partition on another server, of its atlases alone.
+std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& query, const Partition& partition = {});
 // Oldest first; empty name: everything.
 std::vector<HistoryEntry> ReadHistory(Connection& connection, const std::string& name);
 // Of one revision. Throws Error (kDamaged) when the log does not know it.
@@ -21,6 +22,6 @@ HistoryEntry ReadHistoryOf(Connection& connection, std::int64_t atlas, std::int6
 std::vector<RevisionChain> ReadChains(Connection& connection, const ChainQuery& query);
 StoreStats ReadStatistics(Connection& connection);
 // How many bytes each kind of data of the newest revision takes.
-std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas);
+std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas, const Partition& partition);
 
 }  // namespace slamdb::postgresql

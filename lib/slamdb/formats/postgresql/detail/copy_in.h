@@ -18,9 +18,15 @@ namespace slamdb::postgresql {
 //   copy.Finish();
 class CopyIn {
  public:
+  enum class Way {
+    kStraight,
+    // By way of a temporary table, out of which Finish() inserts them: for tables on another server, to which COPY
+    // sends row by row before PostgreSQL 16, and INSERT many at once. Inside a transaction only.
+    kInBatches,
+  };
   // `target` is `table (column, ...)`; `types` those of the columns. Where row-level security counts, which COPY does
-  // not know, rows go through a temporary table.
-  CopyIn(Connection& connection, const std::string& target, std::vector<Type> types);
+  // not know, rows go through a temporary table, too.
+  CopyIn(Connection& connection, const std::string& target, std::vector<Type> types, Way way = Way::kStraight);
   ~CopyIn();
   CopyIn(const CopyIn&) = delete;
   CopyIn& operator=(const CopyIn&) = delete;

@@ -6,6 +6,7 @@
 
 #include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/postgresql/detail/copy_in.h"
+#include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/rows/detail/change_counter.h"
 #include "slamdb/formats/rows/detail/plan.h"
@@ -30,6 +31,7 @@ struct SaveContext {
   std::int64_t atlas = 0;     // its row
   std::int64_t revision = 0;  // that the save makes
   bool is_new = false;        // the store has no atlas of that name
+  Partition partition;        // where its rows are
   bool rewrites = false;      // what the store has may not be what its hashes tell
   std::size_t entities = 0, entities_done = 0;
 
@@ -38,7 +40,7 @@ struct SaveContext {
 
 // Saves everything under `name`. `hashes` is detail::HashesOf(atlas); `rewrite`: whatever hashes the rows have.
 SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
-                     const SaveOptions& options, bool rewrite);
+                     const SaveOptions& options, const LockOptions& lock, bool rewrite);
 
 // ---- the lists (save_lists.cc)
 

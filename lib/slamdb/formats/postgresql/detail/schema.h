@@ -38,6 +38,12 @@ struct Versioned {
 };
 std::span<const Versioned> VersionedTables();
 
+// All tables that are partitioned.
+std::vector<std::string_view> PartitionedTables();
+// Deletes all rows of an atlas in them, or counts them.
+std::int64_t DeleteRows(Connection& connection, std::int64_t atlas);
+std::int64_t CountRows(Connection& connection, std::int64_t atlas);
+
 // The version of store that this library reads and writes.
 int NewestVersion();
 // Of a database; 0: it has no store.
@@ -46,6 +52,11 @@ int VersionOf(Connection& connection);
 void CheckIsStore(Connection& connection);
 // Makes the store where the database has none. Others who do the same are waited for.
 void MakeStore(Connection& connection, int partitions = 1);
+
+// The tables, types and views, in a transaction that is to be the caller's.
+void MakeTables(Connection& connection);
+// Held while a store is made or made another: a transaction's lock.
+void LockMaking(Connection& connection);
 
 // MigrateStore (formats/store/store.h).
 MigrateReport Migrate(const std::string& uri, const MigrateOptions& options);

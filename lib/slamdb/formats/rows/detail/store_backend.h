@@ -25,7 +25,7 @@ class StoreBackend {
   virtual const std::string& path() const = 0;
   virtual std::vector<std::string> Names() = 0;
   virtual std::vector<StoredAtlas> List() = 0;
-  virtual std::vector<std::string> Find(const MapQuery& query) = 0;
+  virtual std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched) = 0;
   virtual std::vector<HistoryEntry> Log(const std::string& name) = 0;
   virtual HistoryEntry LogOf(const RevisionName& revision) = 0;
   virtual std::vector<RevisionChain> Chains(const ChainQuery& query) = 0;
