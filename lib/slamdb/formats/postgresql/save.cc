@@ -452,7 +452,7 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atla
     SaveAtlasRow(context, name, hash, summary);
     ++(context.is_new ? context.changes["atlas"].inserted : context.changes["atlas"].updated);
     context.partition = HoldPartition(connection, context.atlas, lock);
-    UndoUnfinished(connection, context.partition, context.atlas, context.revision - 1);
+    UndoUnfinished(connection, context.partition, context.atlas, newest);
     SaveContent(context, atlas, hashes);
     SaveBytes(context);
   }
