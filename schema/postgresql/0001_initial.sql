@@ -55,6 +55,7 @@ CREATE TABLE history (
   hash bigint,                                -- of the atlas
   who text NOT NULL,                          -- user@host
   revision integer,                           -- that it made
+  xid bigint NOT NULL DEFAULT (pg_current_xact_id()::text::numeric % 4294967296)::bigint,  -- of the transaction: rows with another xmin were edited
   keyframes_added bigint, keyframes_removed bigint, keyframes_moved bigint,
   points_added bigint, points_removed bigint, points_moved bigint,
   observations_added bigint, observations_removed bigint
@@ -84,6 +85,8 @@ CREATE TABLE revision (
   carried bytea,                              -- what the fork's file has of the atlas
   PRIMARY KEY (atlas, number)
 );
+CREATE INDEX revision_by_history ON revision (history);
+CREATE INDEX revision_by_source ON revision (from_atlas, from_number);
 COMMENT ON TABLE revision IS 'The revisions that can be read, each with what of an atlas is no list.';
 
 CREATE TABLE tag (
@@ -197,7 +200,7 @@ CREATE TABLE keyframe (
   PRIMARY KEY (atlas, row, since)
 ) PARTITION BY HASH (atlas);
 ALTER TABLE keyframe ALTER COLUMN details SET STORAGE EXTERNAL;
-CREATE INDEX keyframe_by_time ON keyframe (atlas, map, timestamp);
+CREATE INDEX keyframe_newest ON keyframe (atlas, row) WHERE until = 2147483647;
 
 CREATE TABLE keyframe_features (
   atlas bigint NOT NULL,
@@ -211,6 +214,7 @@ CREATE TABLE keyframe_features (
   PRIMARY KEY (atlas, keyframe, since)
 ) PARTITION BY HASH (atlas);
 ALTER TABLE keyframe_features ALTER COLUMN points SET STORAGE EXTERNAL;
+CREATE INDEX keyframe_features_newest ON keyframe_features (atlas, keyframe) WHERE until = 2147483647;
 
 CREATE TABLE picture (
   atlas bigint NOT NULL,
@@ -261,6 +265,8 @@ CREATE TABLE map_point (
   PRIMARY KEY (atlas, row, since)
 ) PARTITION BY HASH (atlas);
 
+CREATE INDEX map_point_newest ON map_point (atlas, row) WHERE until = 2147483647;
+
 CREATE TABLE landmark (
   row bigint NOT NULL,
   map bigint NOT NULL,
@@ -294,20 +300,23 @@ COMMENT ON TABLE landmark IS 'An MRPT landmark of a map.';
 -- ---- to read in SQL: the newest revision of each atlas
 
 CREATE VIEW v_atlas AS
-SELECT name, maps, keyframes, points, observations, revision, saved_at, lpad(to_hex(hash), 16, '0') AS hash, landmarks,
+SELECT name, maps, keyframes, points, observations, atlas.revision, saved_at, encode(vocabulary_name, 'escape') AS vocabulary_name,
+       encode(vocabulary_checksum, 'escape') AS vocabulary_checksum, lpad(to_hex(atlas.hash), 16, '0') AS hash, landmarks,
        trajectory_length, duration, begin_time, end_time, bytes
-FROM atlas;
+FROM atlas LEFT JOIN revision ON revision.atlas = atlas.row AND revision.number = atlas.revision;
 
 CREATE VIEW v_camera AS
 SELECT name AS atlas, id AS camera, CASE model WHEN 0 THEN 'pinhole' WHEN 1 THEN 'kannala-brandt' ELSE 'equirectangular' END AS model,
        (parameters::jsonb ->> 0)::double precision AS fx, (parameters::jsonb ->> 1)::double precision AS fy,
-       (parameters::jsonb ->> 2)::double precision AS cx, (parameters::jsonb ->> 3)::double precision AS cy
+       (parameters::jsonb ->> 2)::double precision AS cx, (parameters::jsonb ->> 3)::double precision AS cy,
+       (parameters::jsonb ->> 4)::double precision AS k0, (parameters::jsonb ->> 5)::double precision AS k1,
+       (parameters::jsonb ->> 6)::double precision AS k2, (parameters::jsonb ->> 7)::double precision AS k3
 FROM camera JOIN atlas ON atlas.row = camera.atlas WHERE until = 2147483647;
 
 CREATE VIEW v_map AS
 SELECT atlas.name AS atlas, map.id AS map, map.inertial, map.imu_initialized, map.initial_keyframe, map.first_keyframe,
-       (SELECT count(*) FROM keyframe WHERE keyframe.atlas = map.atlas AND keyframe.map = map.row AND keyframe.until = 2147483647) AS keyframes,
-       (SELECT count(*) FROM map_point WHERE map_point.atlas = map.atlas AND map_point.map = map.row AND map_point.until = 2147483647) AS points,
+       (SELECT count(*) FROM keyframe WHERE keyframe.atlas = map.atlas AND keyframe.row BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 AND keyframe.until = 2147483647) AS keyframes,
+       (SELECT count(*) FROM map_point WHERE map_point.atlas = map.atlas AND map_point.row BETWEEN map.row << 32 AND (map.row << 32) + 4294967295 AND map_point.until = 2147483647) AS points,
        map.times, map.x, map.y, map.z
 FROM map JOIN atlas ON atlas.row = map.atlas WHERE map.until = 2147483647;
 

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: BSD-3-Clause
--- Who sees which atlases, by project, once for a database, by its owner: psql -d maps -f row_level_security.sql. Off
--- until then. May be run again; ALTER TABLE ... DISABLE ROW LEVEL SECURITY takes it back.
+-- Who sees which atlases, by project, once for a database, by its owner, after roles.sql: psql -d maps -f
+-- row_level_security.sql. Off until then. May be run again; ALTER TABLE ... DISABLE ROW LEVEL SECURITY takes it back.
 -- A project is a role: CREATE ROLE warehouse NOLOGIN; GRANT warehouse TO alice. Who is a member sees its atlases; those
 -- of no project are everybody's. An atlas is made in the project that its writer's `slamdb.project` names, as with
 -- PGOPTIONS='-c slamdb.project=warehouse' or ALTER ROLE alice SET slamdb.project = 'warehouse'.
@@ -29,7 +29,7 @@ BEGIN
   -- Partitions are tables of their own, which nobody needs to name: rights are those of the table that they are of.
   FOR each IN SELECT inhrelid::regclass::text FROM pg_inherits JOIN pg_class ON pg_class.oid = inhrelid
               WHERE relnamespace = 'slamdb'::regnamespace AND relkind IN ('r', 'f') LOOP
-    EXECUTE format('REVOKE ALL ON %s FROM slamdb_reader, slamdb_writer', each);
+    EXECUTE format('REVOKE ALL ON %s FROM PUBLIC, slamdb_reader, slamdb_writer', each);
   END LOOP;
 END $$;
 

@@ -390,8 +390,8 @@ TEST_P(StoreContract, AnAtlasThatMovesKeepsItsHashAndItsBytes) {
   EXPECT_EQ(FirstDifference(Store::Open(other).Load("a"), atlas), "");
 }
 
-TEST_P(StoreContract, ErrorsOfSpans) {
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), ::testing::Not(IsEmpty()));
+TEST_P(StoreContract, RefusesWhatAReaderMayNotDoAndWhatMeansNothing) {
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), ::testing::AnyOf(HasSubstr("No such file"), HasSubstr("holds no store yet")));
   Save(SoundAtlas());
   Store reader = Store::Open(path_);
   EXPECT_THAT(ErrorOf([&] { reader.Save("b", Atlas{}); }), HasSubstr("opened for reading"));

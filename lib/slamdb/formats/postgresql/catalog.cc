@@ -9,6 +9,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
 #include "slamdb/formats/postgresql/detail/names.h"
+#include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
 #include "slamdb/formats/rows/detail/summary_columns.h"
@@ -273,6 +274,25 @@ std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas, co
           {"points", kPointBytes * static_cast<std::uint64_t>(counts[0].Integer(0))},
           {"observations", kObservationBytes * static_cast<std::uint64_t>(counts[0].Integer(1))},
           {"landmarks", sum("octet_length(features) + 144", "landmark")}};
+}
+
+bool IsAsSaved(Connection& connection, const Named& named) {
+  if (PartitionOf(connection, named.atlas).is_remote) return false;
+  std::string edited;
+  for (const std::string_view table : {"camera", "map", "keyframe", "keyframe_features", "map_point", "landmark"})
+    edited +=
+        Concat(edited.empty() ? "" : " OR ", "EXISTS (SELECT 1 FROM ", table, " WHERE atlas = $1 AND until = ", kNewest,
+               " AND xmin::text::bigint NOT IN (SELECT xid FROM saves))");
+  edited +=
+      " OR EXISTS (SELECT 1 FROM picture WHERE atlas = $1 AND xmin::text::bigint NOT IN (SELECT xid FROM saves)) OR "
+      "EXISTS (SELECT 1 FROM revision WHERE atlas = $1 AND xmin::text::bigint NOT IN (SELECT xid FROM saves)) OR "
+      "EXISTS "
+      "(SELECT 1 FROM keyframe_features AS features WHERE atlas = $1 AND until = 2147483647 AND NOT EXISTS (SELECT 1 "
+      "FROM "
+      "picture WHERE picture.atlas = $1 AND picture.hash = features.picture))";
+  return connection.Integer(Concat("WITH saves AS MATERIALIZED (SELECT xid FROM history WHERE atlas = $2) SELECT (",
+                                   edited, ")::integer"),
+                            {named.atlas, named.name}) == 0;
 }
 
 }  // namespace slamdb::postgresql

@@ -12,6 +12,7 @@
 #include "slamdb/base/detail/parallel.h"
 #include "slamdb/formats/postgresql/detail/base_atlas.h"
 #include "slamdb/formats/postgresql/detail/big_endian.h"
+#include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/rows/detail/features_blob.h"
 #include "slamdb/formats/rows/detail/keyframe_row.h"
@@ -47,7 +48,12 @@ class Loader {
  public:
   // With a `base` all is loaded, whatever the options select.
   Loader(Connection& connection, const Named& named, const ReadOptions& options, const BaseAtlas* base = nullptr)
-      : connection_(connection), options_(options), selection_(options.selection), named_(named), base_(base) {}
+      : connection_(connection),
+        options_(options),
+        selection_(options.selection),
+        named_(named),
+        is_newest_(named.is_newest() && !PartitionOf(connection, named.atlas).is_remote),
+        base_(base) {}
 
   Atlas Run() {
     LoadHeader();
@@ -67,7 +73,9 @@ class Loader {
   }
 
  private:
-  std::string Mine(std::string_view prefix = {}) const { return InRevision(named_.atlas, named_.number, prefix); }
+  std::string Mine(std::string_view prefix = {}) const {
+    return is_newest_ ? InNewest(named_.atlas, prefix) : InRevision(named_.atlas, named_.number, prefix);
+  }
 
   Error Damaged(std::string_view table, std::int64_t row, const std::string& problem = {}) const {
     return Error(ErrorKind::kDamaged, connection_.path(), Concat("table ", table, ", row ", row),
@@ -104,13 +112,14 @@ class Loader {
 
   void LoadCameras() {
     const Result found = connection_.Query(
-        Concat("SELECT ", rows::kCameraColumns, ", carried FROM camera WHERE ", Mine(), " ORDER BY position"), {},
+        Concat("SELECT ", rows::kCameraColumns, ", carried, hash FROM camera WHERE ", Mine(), " ORDER BY position"), {},
         "table camera");
     for (std::size_t i = 0; i < found.rows(); ++i) {
       const Row row = found[i];
       const auto number = static_cast<std::int64_t>(i);
       atlas_.cameras.push_back(At("camera", number, [&] { return rows::ReadCamera(row); }));
       atlas_.cameras.back().carried = CarriedIn(row, 6, "camera", number);
+      RequireSame("camera", number, detail::HashOf(atlas_.cameras.back()) == row.Integer(7));
     }
   }
 
@@ -557,6 +566,7 @@ class Loader {
   const ReadOptions& options_;
   const Selection& selection_;
   Named named_;
+  bool is_newest_ = false;  // of one server
   Atlas atlas_;
   AtlasHashes hashes_;
   std::vector<MapRows> maps_;

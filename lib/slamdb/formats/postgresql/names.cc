@@ -187,31 +187,32 @@ void RemoveTag(Connection& connection, const Named& named, const std::string& ta
     throw rows::NoSuchTag(connection.path(), named.name, tag, TagsOf(connection, named.atlas));
 }
 
-GiveUpReport GiveUp(Connection& connection, const std::string& atlas, const GiveUpOptions& options) {
-  GiveUpReport report;
-  const std::vector<std::string> names = atlas.empty() ? NamesOf(connection) : std::vector<std::string>{atlas};
-  for (const std::string& name : names) {
-    LockAtlas(connection, name, {});
-    const Named named = Find(connection, name);
-    const std::vector<std::int64_t> kept = KeptOf(connection, named, options);
-    std::vector<std::int64_t> gone;
-    std::ranges::set_difference(NumbersOf(connection, named.atlas), kept, std::back_inserter(gone));
-    report.atlases.push_back({name, {gone.begin(), gone.end()}, kept.size()});
-    if (gone.empty() || kept.empty()) continue;
-    DeleteRevisionsBut(connection, named.atlas, kept);
-    if (HoldPartition(connection, named.atlas, {}).is_remote) continue;
-    const GivenUpRows deleted = DeleteAllBut(connection, named.atlas, kept);
-    report.pictures += deleted.pictures;
-    report.bytes += deleted.bytes;
-  }
-  return report;
+GivenUp PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptions& options) {
+  const std::vector<std::int64_t> kept = KeptOf(connection, atlas, options);
+  std::vector<std::int64_t> gone;
+  std::ranges::set_difference(NumbersOf(connection, atlas.atlas), kept, std::back_inserter(gone));
+  return {atlas.name, {gone.begin(), gone.end()}, kept.size()};
 }
 
-GivenUpRows DeleteGivenUp(Connection& connection, const std::string& name) {
-  LockAtlas(connection, name, {});
+void GiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, const LockOptions& lock,
+            GiveUpReport& report) {
+  LockAtlas(connection, name, lock);
+  const Named atlas = Find(connection, name);
+  const GivenUp& plan = report.atlases.emplace_back(PlanGiveUp(connection, atlas, options));
+  if (plan.revisions.empty() || plan.kept == 0) return;
+  const std::vector<std::int64_t> kept = KeptOf(connection, atlas, options);
+  DeleteRevisionsBut(connection, atlas.atlas, kept);
+  if (HoldPartition(connection, atlas.atlas, lock).is_remote) return;
+  const GivenUpRows deleted = DeleteAllBut(connection, atlas.atlas, kept);
+  report.pictures += deleted.pictures;
+  report.bytes += deleted.bytes;
+}
+
+GivenUpRows DeleteGivenUp(Connection& connection, const std::string& name, const LockOptions& lock) {
+  LockAtlas(connection, name, lock);
   const std::optional<Named> named = FindNewest(connection, name);
   if (!named) return {};
-  const Partition partition = HoldPartition(connection, named->atlas, {});
+  const Partition partition = HoldPartition(connection, named->atlas, lock);
   const std::uint64_t undone = UndoUnfinished(connection, partition, named->atlas, named->newest);
   GivenUpRows deleted = DeleteAllBut(connection, named->atlas, NumbersOf(connection, named->atlas));
   deleted.rows += undone;

@@ -190,6 +190,7 @@ class PostgresqlStore : public detail::StoreBackend {
   }
   void Tag(const std::string& name, const std::string& tag) override {
     Writing([&] {
+      LockAtlas(connection_, NameAlone(name), lock_options());  // so that nobody gives the revision up meanwhile
       const Named named = postgresql::Find(connection_, name);
       if (const std::string other = named.name + "@" + tag; postgresql::Has(connection_, other))
         throw Error(ErrorKind::kAlreadyExists, path(), "",
@@ -216,6 +217,8 @@ class PostgresqlStore : public detail::StoreBackend {
   }
 
  private:
+  // Of the atlas that NAME or NAME@WHICH stands for.
+  std::string NameAlone(const std::string& name) { return postgresql::Find(connection_, name).name; }
   LockOptions lock_options() const { return {options_.lock_timeout, options_.progress}; }
 
   Atlas LoadOnce(const std::string& name, const ReadOptions& options, Named& named) {
@@ -236,13 +239,16 @@ class PostgresqlStore : public detail::StoreBackend {
     });
   }
 
-  // Whether every row holds what its hash says. What another program saves meanwhile does.
+  // Whether every row holds what its hash says. What another program saves meanwhile does. Rows that only saves have
+  // written do; others are loaded and looked at.
   bool IsWhole(const std::string& name, int threads) {
     try {
       Reading([&] {
+        const Named named = postgresql::Find(connection_, name);
+        if (IsAsSaved(connection_, named)) return;
         ReadOptions how;
         how.threads = threads;
-        LoadAtlas(connection_, postgresql::Find(connection_, name), how);
+        LoadAtlas(connection_, named, how);
       });
       return true;
     } catch (const Error& error) {
@@ -288,24 +294,30 @@ SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, co
   return report;
 }
 
-// On another server rows go once the store has forgotten them for good, as that server commits by itself.
+// An atlas at a time, so that nobody waits for all of them. On another server rows go once the store has forgotten them
+// for good, as that server commits by itself.
 GiveUpReport PostgresqlStore::GiveUp(const GiveUpOptions& options, const std::string& name) {
   GiveUpReport report;
-  bool has_others = false;
-  {
-    Transaction transaction(connection_, Transaction::Kind::kWrite);
-    report = postgresql::GiveUp(connection_, name, options);
-    if (options.dry_run) return report;
-    has_others = IsFleet(connection_);
-    transaction.Commit();
+  const std::vector<std::string> names = name.empty() ? Names() : std::vector<std::string>{name};
+  for (const std::string& each : names) {
+    try {
+      if (options.dry_run)
+        Reading(
+            [&] { report.atlases.push_back(PlanGiveUp(connection_, postgresql::Find(connection_, each), options)); });
+      else
+        Writing([&] { postgresql::GiveUp(connection_, each, options, lock_options(), report); });
+    } catch (const Error& error) {
+      if (!name.empty() || error.kind() != ErrorKind::kNotFound) throw;
+      continue;  // somebody removed it meanwhile
+    }
+    if (options.dry_run || report.atlases.back().revisions.empty()) continue;
+    if (!Reading([&] { return IsFleet(connection_); })) continue;
+    Writing([&] {
+      const GivenUpRows deleted = DeleteGivenUp(connection_, each, lock_options());
+      report.pictures += deleted.pictures;
+      report.bytes += deleted.bytes;
+    });
   }
-  for (const GivenUp& atlas : report.atlases)
-    if (has_others && !atlas.revisions.empty())
-      Writing([&] {
-        const GivenUpRows deleted = DeleteGivenUp(connection_, atlas.atlas);
-        report.pictures += deleted.pictures;
-        report.bytes += deleted.bytes;
-      });
   return report;
 }
 

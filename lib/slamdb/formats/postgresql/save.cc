@@ -412,6 +412,22 @@ void CountUnchanged(SaveContext& context, const Atlas& atlas) {
   }
 }
 
+// They are in no hash: what somebody deleted comes back with every save.
+bool HasNoWords(SaveContext& context, const AtlasSummary& summary) {
+  return context.connection.Integer("SELECT count(*) FROM keyframe_words WHERE atlas = $1", {context.atlas}) !=
+         static_cast<std::int64_t>(summary.keyframes);
+}
+void SaveWordsAlone(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
+  std::vector<std::int64_t> numbers;
+  for (const rows::StoredMap& map : ReadStoredMaps(context)) numbers.push_back(map.row);
+  if (numbers.size() != atlas.maps.size()) return;
+  const std::vector<StoredLists> lists = ReadStoredLists(context, numbers);
+  std::vector<MapToSave> maps;
+  for (std::size_t i = 0; i < atlas.maps.size(); ++i)
+    maps.push_back({numbers[i], atlas.maps[i], hashes.maps[i], lists[i]});
+  SaveWords(context, maps);
+}
+
 }  // namespace
 
 void SaveContext::Report(std::size_t done) {
@@ -448,6 +464,7 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atla
   if (report.unchanged) {
     context.revision = newest;
     CountUnchanged(context, atlas);
+    if (HasNoWords(context, summary)) SaveWordsAlone(context, atlas, hashes);
   } else {
     SaveAtlasRow(context, name, hash, summary);
     ++(context.is_new ? context.changes["atlas"].inserted : context.changes["atlas"].updated);

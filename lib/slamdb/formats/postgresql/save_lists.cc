@@ -520,15 +520,26 @@ void EndRows(SaveContext& context, std::string_view table, const std::vector<std
                            {context.atlas, context.revision, std::span(rows)}, Concat("table ", table));
 }
 
-std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSave>& maps) {
+namespace {
+
+std::vector<ListPlans> PlansOf(const std::vector<MapToSave>& maps) {
   std::vector<ListPlans> plans;
   for (const auto& [row, map, hashes, stored] : maps)
     plans.push_back({PlanOf(map.keyframes, stored.keyframes, row), PlanOf(map.points, stored.points, row),
                      PlanOf(map.landmarks, stored.landmarks, row)});
+  return plans;
+}
+
+}  // namespace
+
+std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSave>& maps) {
+  std::vector<ListPlans> plans = PlansOf(maps);
   SaveKeyframes(context, maps, plans);
   SavePoints(context, maps, plans);
   SaveLandmarks(context, maps, plans);
   return plans;
 }
+
+void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps) { WriteWords(context, maps, PlansOf(maps)); }
 
 }  // namespace slamdb::postgresql

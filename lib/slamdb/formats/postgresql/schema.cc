@@ -38,6 +38,10 @@ std::string InRevision(std::int64_t atlas, std::int64_t revision, std::string_vi
                 revision);
 }
 
+std::string InNewest(std::int64_t atlas, std::string_view prefix) {
+  return Concat(prefix, "atlas = ", atlas, " AND ", prefix, "until = ", kNewest);
+}
+
 const Table& KeyframeTable() {
   static const Table table{
       "keyframe (row, map, atlas, id, unique_id, hash, links_hash, frame_id, timestamp, qw, qx, qy, qz, tx, ty, tz, "

@@ -25,8 +25,10 @@ namespace detail {
 class StoreBackend;
 }
 
-// Many atlases in one SQLite file, each under a name.
-// The schema is in schema/*.sql and explained in schema/store.md.
+// Many atlases, each under a name: in one SQLite file, or in a database of a PostgreSQL server
+// (`postgresql://user@host/database`).
+// The schema of a file is in schema/*.sql and explained in schema/store.md, that of a server in schema/postgresql/ and
+// schema/postgresql.md.
 // Saves are transactions: a killed program, a full disk or an exception leaves the store as it was.
 // Readers work while another program writes, and see the store as of before.
 //
@@ -34,6 +36,7 @@ class StoreBackend;
 // Kinds beyond those named below: kLocked (another program writes), kDamaged, kOutOfResources (the disk is full),
 // kPermission.
 // Not thread-safe: one Store per thread.
+// On a server a thread keeps its connection until it ends, for the next Store that it opens there.
 class SLAMDB_EXPORT Store {
  public:
   // Opens to read: never changes the file, never makes one, works on read-only disks.
@@ -91,7 +94,7 @@ class SLAMDB_EXPORT Store {
   // Saves under `name`, as the next revision of the atlas of that name if there is one, by writing only the rows that
   // differ. What they were stays, for the revisions before. Where nothing differs, there is no next one.
   //
-  // A name is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters. A store that was made for a save that
+  // A name is 1 to 255 bytes of UTF-8 without `#`, `/` and control characters. A file that was made for a save that
   // fails is removed again.
   //
   // Throws Error: kUsage when the store was opened to read, for another name, or for one that stands for a revision;
@@ -137,20 +140,21 @@ class SLAMDB_EXPORT Store {
   // kNotFound when none has it.
   void Tag(const std::string& name, const std::string& tag);
   void Untag(const std::string& name, const std::string& tag);
-  // Gives up earlier revisions of one atlas, or of all where `name` is empty, in one transaction.
+  // Gives up earlier revisions of one atlas, or of all where `name` is empty: in one transaction, on a server in one for
+  // each atlas.
   //
   // Throws Error: kNotFound when there is no such atlas.
   GiveUpReport GiveUp(const GiveUpOptions& options, const std::string& name = {});
 
   void Remove(const std::string& name);  // with all its revisions; throws Error (kNotFound) when there is none
   StoreStats Stats();
-  void Vacuum();  // gives free pages back to the disk
+  void Vacuum();  // gives free pages back to the disk; on a server Error (kNotPossible)
   // Copies the store as it is now, also while others write (SQLite's online backup).
   // A new target appears whole or not, with the permissions of the store. With `overwrite` the store that is there
   // becomes the copy in one transaction of its own: links are followed, and whatever fails leaves it as it was.
   //
   // Throws Error: kAlreadyExists when it is there and not to be overwritten; kLocked when another program saves there
-  // meanwhile; kUnsupported when what is there is no store.
+  // meanwhile; kUnsupported when what is there is no store; kNotPossible for a server.
   void Backup(const std::string& target, bool overwrite = false);
 
  private:

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slamdb/formats/postgresql/detail/connection.h"
+#include "slamdb/formats/postgresql/detail/names.h"
 #include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/rows/stored.h"
 #include "slamdb/model/map_query.h"
@@ -23,5 +24,9 @@ std::vector<RevisionChain> ReadChains(Connection& connection, const ChainQuery& 
 StoreStats ReadStatistics(Connection& connection);
 // How many bytes each kind of data of the newest revision takes.
 std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas, const Partition& partition);
+
+// Whether the rows of the newest revision are those that saves have written: by the transactions that did, without a
+// look at what they hold. False also where that cannot be told: after a restore from a dump, and on another server.
+bool IsAsSaved(Connection& connection, const Named& named);
 
 }  // namespace slamdb::postgresql

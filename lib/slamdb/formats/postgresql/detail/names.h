@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "slamdb/formats/postgresql/detail/connection.h"
+#include "slamdb/formats/postgresql/detail/writer_lock.h"
 #include "slamdb/formats/rows/detail/revision_names.h"
+#include "slamdb/formats/rows/stored.h"
 
 // Atlases, their revisions and tags by name.
 namespace slamdb::postgresql {
@@ -28,13 +30,16 @@ std::optional<RevisionName> CommonBase(Connection& connection, const Named& firs
 void SetTag(Connection& connection, const Named& named, const std::string& tag);
 void RemoveTag(Connection& connection, const Named& named, const std::string& tag);
 
-// Store::GiveUp, of all atlases or one; inside the caller's transaction. What only revisions have that go is left where
-// it is on another server, whose rows go once the revisions are gone for good: DeleteGivenUp.
-GiveUpReport GiveUp(Connection& connection, const std::string& atlas, const GiveUpOptions& options);
+// Which revisions of an atlas Store::GiveUp gives up, ascending.
+GivenUp PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptions& options);
+// Gives them up, and adds to the report; inside the caller's transaction. What only they have is left where it is on
+// another server, whose rows go once the revisions are gone for good: DeleteGivenUp.
+void GiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, const LockOptions& lock,
+            GiveUpReport& report);
 struct GivenUpRows {
   std::uint64_t rows = 0, pictures = 0, bytes = 0;
 };
 // What no revision of an atlas has; nothing where there is no such atlas. Inside a transaction of its own.
-GivenUpRows DeleteGivenUp(Connection& connection, const std::string& name);
+GivenUpRows DeleteGivenUp(Connection& connection, const std::string& name, const LockOptions& lock);
 
 }  // namespace slamdb::postgresql

@@ -74,9 +74,10 @@ struct ListPlans {
 };
 // Saves the lists of all maps, one table after the other. Returns their plans.
 std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSave>& maps);
+// What the keyframes look like alone.
+void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps);
 
-// A row of few, by INSERT. `columns`: `map (row, atlas)`; `expressions`: SQL of further columns, with parameters behind
-// those of the values.
+// A row of few, by INSERT. `columns`: `map (row, atlas)`.
 void InsertRow(Connection& connection, std::string_view columns, std::span<const rows::Value> values);
 
 }  // namespace slamdb::postgresql

@@ -19,6 +19,8 @@ inline constexpr std::int64_t kNewest = 2147483647;
 
 // Which rows of the atlas a revision has, as SQL: `atlas = 7 AND since <= 3 AND until > 3`. `prefix`: `k.`, or empty.
 std::string InRevision(std::int64_t atlas, std::int64_t revision, std::string_view prefix = {});
+// Those of the newest, by the indexes of these: where all is of one server, so that nothing is left unfinished.
+std::string InNewest(std::int64_t atlas, std::string_view prefix = {});
 
 // A table that COPY fills.
 struct Table {
