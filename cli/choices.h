@@ -59,6 +59,7 @@ inline const Choices<BranchGeometry> kBranchGeometries = {{"ours", BranchGeometr
                                                           {"align", BranchGeometry::kAlign},
                                                           {"optimize", BranchGeometry::kOptimize}};
 inline const Choices<BranchSide> kBranchSides = {{"ours", BranchSide::kOurs}, {"theirs", BranchSide::kTheirs}};
+inline const Choices<bool> kDivergedWays = {{"skip", false}, {"branch", true}};  // of stores: SyncOptions
 inline const Choices<Tightening> kTightenings = {{"none", Tightening::kNone},
                                                  {"pose-graph", Tightening::kPoseGraph},
                                                  {"seam", Tightening::kSeam},

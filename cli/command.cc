@@ -18,9 +18,9 @@ std::span<const Command* const> Commands() {
       &kRepair,     &kRecover, &kEdit,     &kTransform,      &kOptimize,
       &kCloseLoops, &kDiff,    &kEvaluate, &kLocate,         &kLandmarksCommand,
       &kAdd,        &kList,    &kLog,      &kRestore,        &kTag,
-      &kBranch,     &kGc,      &kRemove,   &kStats,          &kVacuum,
-      &kBackup,     &kMigrate, &kFleet,    &kHelp,           &kCompletion,
-      &kVersion,    &kMan,     &kComplete,
+      &kBranch,     &kGc,      &kSync,     &kRemove,         &kStats,
+      &kVacuum,     &kBackup,  &kMigrate,  &kFleet,          &kHelp,
+      &kCompletion, &kVersion, &kMan,      &kComplete,
   };
   return kCommands;
 }

@@ -30,6 +30,7 @@ inline constexpr Limits kLocateFeatures{.low = 100, .high = 100'000};
 inline constexpr Limits kLayoutChoice{.low = 1, .high = 1000};
 inline constexpr Limits kMapsMade{.low = 1, .high = 10'000};
 inline constexpr Limits kRevisionsKept{.low = 1, .high = 1e15};
+inline constexpr Limits kRetries{.low = 0, .high = 1e6};
 inline constexpr Limits kPartitions{.low = 1, .high = 1024};
 inline constexpr Limits kPartition{.low = 0, .high = 1023};
 inline constexpr Limits kPixelSigma{.low = 1e-3, .high = 1e3};

@@ -12,8 +12,8 @@ extern const Command kExtract, kSplit, kCull, kShrink, kFragments;
 extern const Command kRecover, kRepair;
 extern const Command kOptimize, kCloseLoops;
 extern const Command kEdit, kTransform, kDiff, kEvaluate, kLocate;
-extern const Command kAdd, kList, kLog, kRestore, kTag, kBranch, kGc, kRemove, kStats, kVacuum, kBackup, kMigrate,
-    kFleet;
+extern const Command kAdd, kList, kLog, kRestore, kTag, kBranch, kGc, kSync, kRemove, kStats, kVacuum, kBackup,
+    kMigrate, kFleet;
 extern const Command kLandmarksCommand;
 extern const Command kHelp, kComplete, kCompletion, kVersion, kMan;
 

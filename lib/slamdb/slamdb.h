@@ -128,6 +128,7 @@
 #include "slamdb/many/names.h"
 #include "slamdb/many/report.h"
 #include "slamdb/many/selected.h"
+#include "slamdb/many/sync.h"
 #include "slamdb/many/whole_store.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/camera.h"

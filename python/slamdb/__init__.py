@@ -38,7 +38,7 @@ from .ids import reassign_origin, renumber
 from .imu import ImuArrays
 from .landmarks import landmarks_from_points, landmarks_to_points
 from .layouts import layouts_from_source, layouts_infer, layouts_list, layouts_show
-from .many import FoundAtlas, find_atlases, list_atlases, summarize, write_file
+from .many import FoundAtlas, find_atlases, list_atlases, summarize, sync, write_file
 from .memory import set_memory_limit, spilled
 from .notebook import View, view
 from .observations import Observations
@@ -61,5 +61,5 @@ __all__ = [
     "align", "check", "close_loops", "convert", "cull", "diff", "edit_tables", "evaluate", "extract", "fragments",
     "landmarks_from_points", "landmarks_to_points", "layouts_from_source", "layouts_infer", "layouts_list", "layouts_show",
     "locate", "merge", "optimize", "plot", "reassign_origin", "recover", "renumber", "repair", "report", "shrink", "split",
-    "synthesize", "transform", "vocabulary_recompute", "vocabulary_set", "vocabulary_show", "vocabulary_verify",
+    "sync", "synthesize", "transform", "vocabulary_recompute", "vocabulary_set", "vocabulary_show", "vocabulary_verify",
 ]  # fmt: skip

@@ -70,6 +70,38 @@ def list_atlases(
     return Report.parse(reported(_slamdb.list_atlases, given))
 
 
+def sync(
+    first: Path,
+    second: Path,
+    *,
+    name: Texts = (),
+    one_way: bool = False,
+    diverged: str = "skip",
+    dry_run: bool = False,
+    retry: int = 0,
+    sync: bool = True,
+    wait: float = 5,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Report:
+    """Two stores, files or databases of servers, come to hold the same atlases, revisions and tags (docs/sync.md).
+
+    name: only the atlases of these names
+    one_way: only from the first to the second
+    diverged: where both went on from one revision, "skip" leaves both as they are; "branch" saves what the first has in
+        the second as NAME-of-HOST, too
+    dry_run: only tell what would be done
+    retry: how often in a row it goes on by itself when the connection is lost or a store is locked
+    sync: wait for the disk
+    wait: seconds, for a program that holds a store
+
+    What fails for one atlas alone, or has diverged, is an entry that says so. Whatever ends it, the next call goes on.
+    """
+    given: Dict[str, object] = dict(locals())
+    given["name"] = listed(name)
+    return Report.parse(reported(_slamdb.sync, given))
+
+
 def summarize(atlas: Atlas) -> Report:
     """What `list_atlases` tells of the content of an atlas: counts, sensors, the length of its trajectory, times."""
     return Report.parse(_slamdb.summarize(atlas))

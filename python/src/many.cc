@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/choices.h"
 #include "python/src/arrays.h"
 #include "python/src/errors.h"
 #include "python/src/held_atlas.h"
@@ -19,6 +20,7 @@
 #include "slamdb/formats/layouts/layout_text.h"
 #include "slamdb/many/list.h"
 #include "slamdb/many/report.h"
+#include "slamdb/many/sync.h"
 
 // Many atlases, and what is told of them. slamdb/many.py and slamdb/outputs.py document what is here.
 namespace slamdb::python {
@@ -78,6 +80,22 @@ void DefineList(py::module_& module) {
   });
 }
 
+void DefineSync(py::module_& module) {
+  DefineReport(module, "sync", [](Arguments& given) {
+    SyncOptions options{.names = given.Get<std::vector<std::string>>("name")};
+    given.Take("one_way", options.one_way);
+    given.TakeWord("diverged", cli::kDivergedWays, options.branch_diverged);
+    given.Take("dry_run", options.dry_run);
+    given.Take("retry", options.retries, cli::kRetries);
+    given.Take("sync", options.sync);
+    given.Take("wait", options.lock_timeout, cli::kNonNegative);
+    given.TakeRun(options);
+    return [options, first = given.Path("first"), second = given.Path("second")](Notices&) {
+      return ToJson(SyncStores(first, second, options));
+    };
+  });
+}
+
 // Pages about atlases: the page or the index, its report, and the thumbnail of one.
 void DefinePages(py::module_& module) {
   module.def("report", [](const py::dict& values) {
@@ -102,6 +120,7 @@ void DefinePages(py::module_& module) {
 void DefineMany(py::module_& module) {
   DefineFind(module);
   DefineList(module);
+  DefineSync(module);
   DefinePages(module);
   module.def("summarize", [](const HeldAtlas& atlas) {
     const auto value = atlas.value();

@@ -387,3 +387,20 @@ def test_revisions(store, atlas):
     for wrong in ({}, {"keep": 0}, {"keep_days": -1}):
         with pytest.raises(slamdb.UsageError):
             store.gc(**wrong)
+
+
+def test_sync(tmp_path, fixtures):
+    first, second = tmp_path / "first.db", tmp_path / "second.db"
+    atlas = slamdb.read(fixtures / "session_small_a" / "session_small_a.osa")
+    slamdb.Store(first).save("lab", atlas)
+    slamdb.Store(second).save("yard", atlas)
+    dry = slamdb.sync(first, second, dry_run=True)
+    assert dry["dry_run"] and not os.path.exists(tmp_path / "third.db")
+    assert [each["name"] for each in slamdb.sync(first, second, name="lab")["atlases"]] == ["lab"]
+    report = slamdb.sync(first, second, retry=1, wait=1, sync=False)
+    assert (report.copied, report.same) == (1, 1) and report.atlases[0].to == "first"
+    assert slamdb.Store(first).names() == slamdb.Store(second).names() == ["lab", "yard"]
+    with pytest.raises(slamdb.UsageError, match="to be compared with"):
+        slamdb.sync(first, first)
+    with pytest.raises(slamdb.UsageError, match="skip"):
+        slamdb.sync(first, second, diverged="both")

@@ -22,7 +22,7 @@ CREATE TYPE span AS RANGE (SUBTYPE = double precision, SUBTYPE_DIFF = float8mi);
 
 CREATE TABLE atlas (
   row bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
-  name text NOT NULL UNIQUE,
+  name text COLLATE "C" NOT NULL UNIQUE,      -- in the order of its bytes
   project text NOT NULL DEFAULT coalesce(current_setting('slamdb.project', true), ''),  -- for row_level_security.sql
   revision integer NOT NULL,                  -- the newest
   hash bigint NOT NULL,                       -- of everything in it

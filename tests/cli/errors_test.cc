@@ -304,9 +304,9 @@ TEST(Usage, HelpAnswersAsTheVerbDoes) {
 
 TEST(Usage, EveryVerbRefusesAnUnknownOption) {
   for (const char* verb :
-       {"info",       "show",       "dump",    "check", "convert", "merge",   "renumber", "reassign-origin",
-        "synthesize", "add",        "list",    "log",   "remove",  "stats",   "vacuum",   "backup",
-        "migrate",    "completion", "version", "man",   "tag",     "restore", "branch",   "gc"}) {
+       {"info",    "show", "dump", "check",   "convert", "merge",  "renumber", "reassign-origin", "synthesize",
+        "add",     "list", "log",  "remove",  "stats",   "vacuum", "backup",   "migrate",         "completion",
+        "version", "man",  "tag",  "restore", "branch",  "gc",     "sync"}) {
     SCOPED_TRACE(verb);
     ExpectUsageError({verb, "--no-such-option"}, "unknown option '--no-such-option'");
   }

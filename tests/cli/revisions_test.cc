@@ -2,6 +2,8 @@
 // Revisions at the command line: log, restore, tag, branch, gc, and every verb that reads one.
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
@@ -151,6 +153,54 @@ TEST_F(Revisions, MergeFindsWhatBranchesComeFrom) {
   const ProcessResult stray = RunSlamdb({"merge", osa_, osa_, "-o", out_, "--prefer", "theirs", "--overwrite"});
   EXPECT_EQ(stray.exit_code, 2);
   EXPECT_THAT(stray.err, HasSubstr("--prefer needs --base"));
+}
+
+TEST_F(Revisions, SyncOfTwoStores) {
+  const std::string other = folder_ / "other.db";
+  const json planned = json::parse(RunSlamdb({"sync", store_, other, "--dry-run", "--json"}).out);
+  EXPECT_EQ(BreachOf(planned, "sync.schema.json"), "");
+  EXPECT_EQ(planned.at("atlases").at(0).at("revisions"), json({1, 2}));
+  EXPECT_FALSE(std::filesystem::exists(other));
+  const ProcessResult copied = RunSlamdb({"sync", store_, other});
+  EXPECT_EQ(copied.exit_code, 0) << copied.err;
+  EXPECT_THAT(copied.out, HasSubstr("lab: 2 revisions to " + other));
+  EXPECT_THAT(copied.out, HasSubstr("1 copied"));
+  const json log = json::parse(RunSlamdb({"log", other + "#lab", "--json"}).out).at("entries");
+  for (const char* name : {"at", "who", "tool", "provenance", "hash", "revision"})
+    EXPECT_EQ(log.at(1).at(name), Log("lab").at(1).at(name)) << name;
+  EXPECT_EQ(RunSlamdb({"sync", store_, other}).out, "1 same\n");
+
+  // Each goes on with its own.
+  const auto move = [&](const std::string& atlas, const char* by) {
+    EXPECT_EQ(RunSlamdb({"transform", atlas + "@2", atlas, "--by", by, "--overwrite"}).exit_code, 0);
+  };
+  move(At("lab"), "2 0 0 0 0 0 1");
+  move(other + "#lab", "3 0 0 0 0 0 1");
+  const ProcessResult diverged = RunSlamdb({"sync", store_, other});
+  EXPECT_EQ(diverged.exit_code, 3);
+  EXPECT_THAT(diverged.err, HasSubstr("--diverged branch brings"));
+  const ProcessResult branched = RunSlamdb({"sync", store_, other, "--diverged", "branch", "--json"});
+  EXPECT_EQ(branched.exit_code, 0);
+  const json report = json::parse(branched.out);
+  EXPECT_EQ(BreachOf(report, "sync.schema.json"), "");
+  const std::string branch = report.at("atlases").at(0).at("branch");
+  EXPECT_THAT(branched.err, HasSubstr("slamdb merge " + other + "#lab " + other + "#" + branch));
+  EXPECT_EQ(RunSlamdb({"merge", other + "#lab", other + "#" + branch}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"sync", store_, other}).exit_code, 0);
+  EXPECT_EQ(RunSlamdb({"diff", At("lab"), other + "#lab"}).exit_code, 0);
+
+  // Tags of two revisions.
+  RunSlamdb({"tag", At("lab@1"), "release"});
+  RunSlamdb({"tag", other + "#lab@2", "release"});
+  const ProcessResult conflict = RunSlamdb({"sync", store_, other});
+  EXPECT_EQ(conflict.exit_code, 3);
+  EXPECT_THAT(conflict.err, HasSubstr("the tag 'release' of 'lab' is revision 1 in "));
+
+  EXPECT_EQ(RunSlamdb({"sync", store_, store_}).exit_code, 1);
+  EXPECT_EQ(RunSlamdb({"sync", At("lab"), other}).exit_code, 2);
+  const ProcessResult unknown = RunSlamdb({"sync", store_, other, "--name", "nobody"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("has an atlas named 'nobody'"));
 }
 
 }  // namespace

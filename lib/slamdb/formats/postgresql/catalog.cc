@@ -2,10 +2,12 @@
 #include "slamdb/formats/postgresql/detail/catalog.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/text.h"
 #include "slamdb/formats/postgresql/detail/names.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
@@ -112,6 +114,55 @@ void ReadRevision(const Row& row, std::size_t column, HistoryEntry& entry) {
     *count = Unsigned(row, column++);
 }
 
+// What `where` tells apart, oldest first.
+std::vector<HistoryEntry> ReadEntries(Connection& connection, std::string_view where,
+                                      const std::vector<Parameter>& parameters) {
+  const Result found = connection.Query(
+      Concat(
+          "SELECT ", TextOfTime("at"),
+          ", tool, action, coalesce(history.atlas, ''), provenance, maps, keyframes, points, observations, inserted, "
+          "updated, deleted, unchanged, history.hash, who, coalesce(history.revision, 0), revision.number IS NOT "
+          "NULL, (SELECT string_agg(tag.name, E'\\n' ORDER BY tag.name COLLATE \"C\") FROM tag WHERE tag.atlas = "
+          "revision.atlas AND tag.number = revision.number), from_atlas, from_number, from_hash, keyframes_added, "
+          "keyframes_removed, keyframes_moved, points_added, points_removed, points_moved, observations_added, "
+          "observations_removed FROM history LEFT JOIN revision ON revision.history = history.row WHERE ",
+          where, " ORDER BY history.row"),
+      parameters, "table history");
+  std::vector<HistoryEntry> entries;
+  for (std::size_t i = 0; i < found.rows(); ++i) {
+    const Row row = found[i];
+    HistoryEntry& entry = entries.emplace_back();
+    std::size_t column = 0;
+    for (std::string* text : {&entry.at, &entry.tool, &entry.action, &entry.atlas, &entry.provenance})
+      *text = row.Text(column++);
+    for (std::uint64_t* value : {&entry.maps, &entry.keyframes, &entry.points, &entry.observations, &entry.inserted,
+                                 &entry.updated, &entry.deleted, &entry.unchanged, &entry.hash})
+      *value = Unsigned(row, column++);
+    ReadRevision(row, column, entry);
+  }
+  return entries;
+}
+
+RevisionChain ReadChain(Connection& connection, const Row& row) {
+  RevisionChain chain{.name = std::string(row.Text(0))};
+  std::array<std::vector<std::int64_t>, 4> lists;  // numbers, hashes; and of those that were made of something besides
+  for (std::size_t column = 0; column < lists.size(); ++column) row.Integers64(column + 1, lists[column]);
+  const auto& [numbers, hashes, made, from] = lists;
+  if (numbers.size() != hashes.size() || made.size() != from.size())
+    throw Error(ErrorKind::kDamaged, connection.path(), "table revision", "lists of different lengths");
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    RevisionChain::Link& link = chain.links.emplace_back();
+    link.number = static_cast<std::uint64_t>(numbers[i]);
+    link.hash = static_cast<std::uint64_t>(hashes[i]);
+    if (next < made.size() && made[next] == numbers[i]) link.from_hash = static_cast<std::uint64_t>(from[next++]);
+  }
+  const std::vector<std::string_view> words = detail::Split(row.Text(5), '\n');
+  for (std::size_t i = 0; i + 1 < words.size(); i += 2)
+    chain.tags.push_back({std::string(words[i]), detail::ParseNumber<std::uint64_t>(words[i + 1]).value_or(0)});
+  return chain;
+}
+
 }  // namespace
 
 std::vector<StoredAtlas> ListAtlases(Connection& connection) {
@@ -156,30 +207,35 @@ std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& que
 }
 
 std::vector<HistoryEntry> ReadHistory(Connection& connection, const std::string& name) {
+  return ReadEntries(connection, "$1 = '' OR history.atlas = $1", {name});
+}
+
+HistoryEntry ReadHistoryOf(Connection& connection, std::int64_t atlas, std::int64_t number) {
+  std::vector<HistoryEntry> found =
+      ReadEntries(connection, "revision.atlas = $1 AND revision.number = $2", {atlas, number});
+  if (found.empty())
+    throw Error(ErrorKind::kDamaged, connection.path(), "table history", Concat("tells nothing of revision ", number));
+  return std::move(found.front());
+}
+
+std::vector<RevisionChain> ReadChains(Connection& connection, const ChainQuery& query) {
+  const auto list = [](std::string_view column, std::string_view which = {}) {
+    return Concat("array(SELECT ", column, "::bigint FROM revision WHERE atlas = page.row", which, " ORDER BY number)");
+  };
+  constexpr std::string_view kMade = " AND from_hash IS NOT NULL";
+  std::vector<Parameter> parameters{query.after, static_cast<std::int64_t>(query.count)};
+  if (!query.names.empty()) parameters.emplace_back(std::span<const std::string>(query.names));
   const Result found = connection.Query(
       Concat(
-          "SELECT ", TextOfTime("at"),
-          ", tool, action, coalesce(history.atlas, ''), provenance, maps, keyframes, points, observations, inserted, "
-          "updated, deleted, unchanged, history.hash, who, coalesce(history.revision, 0), revision.number IS NOT "
-          "NULL, (SELECT string_agg(tag.name, E'\\n' ORDER BY tag.name COLLATE \"C\") FROM tag WHERE tag.atlas = "
-          "revision.atlas AND tag.number = revision.number), from_atlas, from_number, from_hash, keyframes_added, "
-          "keyframes_removed, keyframes_moved, points_added, points_removed, points_moved, observations_added, "
-          "observations_removed FROM history LEFT JOIN revision ON revision.history = history.row WHERE $1 = '' OR "
-          "history.atlas = $1 ORDER BY history.row"),
-      {name}, "table history");
-  std::vector<HistoryEntry> entries;
-  for (std::size_t i = 0; i < found.rows(); ++i) {
-    const Row row = found[i];
-    HistoryEntry& entry = entries.emplace_back();
-    std::size_t column = 0;
-    for (std::string* text : {&entry.at, &entry.tool, &entry.action, &entry.atlas, &entry.provenance})
-      *text = row.Text(column++);
-    for (std::uint64_t* value : {&entry.maps, &entry.keyframes, &entry.points, &entry.observations, &entry.inserted,
-                                 &entry.updated, &entry.deleted, &entry.unchanged, &entry.hash})
-      *value = Unsigned(row, column++);
-    ReadRevision(row, column, entry);
-  }
-  return entries;
+          "SELECT name, ", list("number"), ", ", list("hash"), ", ", list("number", kMade), ", ",
+          list("from_hash", kMade),
+          ", (SELECT string_agg(tag.name || E'\\n' || number, E'\\n' ORDER BY tag.name COLLATE \"C\") FROM tag WHERE "
+          "atlas = page.row) FROM (SELECT row, name FROM atlas WHERE name > $1",
+          query.names.empty() ? "" : " AND name = ANY ($3)", " ORDER BY name LIMIT $2) AS page ORDER BY name"),
+      parameters, "table revision");
+  std::vector<RevisionChain> chains;
+  for (std::size_t i = 0; i < found.rows(); ++i) chains.push_back(ReadChain(connection, found[i]));
+  return chains;
 }
 
 StoreStats ReadStatistics(Connection& connection) {

@@ -98,7 +98,7 @@ ServerError NoServer(const std::string& path, std::string_view message) {
 
 bool IsWorthRetrying(const Error& error) {
   const auto* server = dynamic_cast<const ServerError*>(&error);
-  return server != nullptr && MeaningOf(server->state()).is_worth_retrying;
+  return server != nullptr && (server->is_unreachable() || MeaningOf(server->state()).is_worth_retrying);
 }
 
 }  // namespace slamdb::postgresql

@@ -2,12 +2,16 @@
 #include "slamdb/formats/postgresql/detail/load.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/parallel.h"
+#include "slamdb/formats/postgresql/detail/base_atlas.h"
+#include "slamdb/formats/postgresql/detail/big_endian.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/rows/detail/features_blob.h"
 #include "slamdb/formats/rows/detail/keyframe_row.h"
@@ -25,6 +29,12 @@ using detail::AtlasHashes;
 using detail::Concat;
 
 constexpr std::size_t kFeaturesAtOnce = 64;  // keyframes whose features are held packed
+constexpr std::size_t kRowsAtOnce = 4096;    // that are asked for by their numbers
+
+// A row by its hashes.
+struct HashedRow {
+  std::int64_t row = 0, hash = 0, details = 0;
+};
 
 // A map while it is loaded.
 struct MapRows {
@@ -35,8 +45,9 @@ struct MapRows {
 
 class Loader {
  public:
-  Loader(Connection& connection, const Named& named, const ReadOptions& options)
-      : connection_(connection), options_(options), selection_(options.selection), named_(named) {}
+  // With a `base` all is loaded, whatever the options select.
+  Loader(Connection& connection, const Named& named, const ReadOptions& options, const BaseAtlas* base = nullptr)
+      : connection_(connection), options_(options), selection_(options.selection), named_(named), base_(base) {}
 
   Atlas Run() {
     LoadHeader();
@@ -44,7 +55,10 @@ class Loader {
     LoadMaps();
     LoadRepeated();
     LoadKeyframes();
-    if (options_.features != FeatureColumns::kNone) LoadFeatures();
+    if (base_ != nullptr)
+      LoadFeaturesOnto();
+    else if (options_.features != FeatureColumns::kNone)
+      LoadFeatures();
     LoadPoints();
     LoadLandmarks();
     SortLists();
@@ -167,6 +181,55 @@ class Loader {
                                                : std::string();
   }
 
+  // ---- what the base has
+
+  // The hashes of rows, by row: 24 bytes each, many in one value.
+  std::vector<HashedRow> ReadHashes(std::string_view table, std::string_view key, std::string_view details) {
+    std::vector<HashedRow> rows;
+    connection_.CopyOut(
+        Concat("SELECT string_agg(int8send(", key, ") || int8send(hash) || int8send(", details,
+               "), ''::bytea ORDER BY ", key, ") FROM ", table, " WHERE ", Mine(), " GROUP BY ", key,
+               " >> 12 ORDER BY ", key, " >> 12"),
+        [&](const Row& row) {
+          const Bytes bytes = row.Blob(0);
+          for (std::size_t at = 0; at + 24 <= bytes.size(); at += 24)
+            rows.push_back({BigEndian<std::int64_t>(&bytes[at]), BigEndian<std::int64_t>(&bytes[at + 8]),
+                            BigEndian<std::int64_t>(&bytes[at + 16])});
+        },
+        Concat("table ", table));
+    return rows;
+  }
+
+  // Calls, by row, take(index of the map, row, entity) for what the base has, and visit(index of the map, row) for the
+  // rest, which alone is sent.
+  template <class Entity, class Visit, class Take>
+  void VisitMissing(std::string_view columns, std::string_view table, std::string_view details,
+                    const ByHash<Entity>& there, const Visit& visit, const Take& take) {
+    const std::vector<HashedRow> rows = ReadHashes(table, "row", details);
+    const auto find = [&](const HashedRow& row) { return there.Find(row.hash, row.details); };
+    for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+      std::vector<std::int64_t> missing;
+      for (end = begin; end < rows.size() && missing.size() < kRowsAtOnce; ++end)
+        if (find(rows[end]) == nullptr) missing.push_back(rows[end].row);
+      std::optional<Result> sent;
+      if (!missing.empty())
+        sent = connection_.Query(
+            Concat("SELECT ", columns, " FROM ", table, " WHERE ", Mine(), " AND row = ANY ($1) ORDER BY row"),
+            {std::span<const std::int64_t>(missing)}, Concat("table ", table));
+      if (sent && sent->rows() != missing.size()) throw Damaged(table, missing.front(), "rows are missing behind it");
+      std::size_t next = 0, i = maps_.size();
+      for (std::size_t k = begin; k < end; ++k) {
+        if (const std::int64_t map = rows::MapOfRow(rows[k].row); i == maps_.size() || maps_[i].row != map)
+          i = IndexOf(map);
+        if (i == maps_.size()) throw Damaged(table, rows[k].row, "of no map");
+        if (const Entity* entity = find(rows[k]))
+          take(i, rows[k], *entity);
+        else
+          visit(i, (*sent)[next++]);
+      }
+    }
+  }
+
   // Calls visit(index of the map, row) for rows of a list, by row, of the maps that are selected.
   template <class Visit>
   void VisitList(std::string_view columns, std::string_view table, const Visit& visit) {
@@ -187,38 +250,50 @@ class Loader {
   void LoadKeyframes() {
     std::vector<std::int64_t> ids;
     std::vector<std::int32_t> weights;
-    VisitList(Concat(rows::kKeyframeColumns, ", children, connections, weights, loop_edges, merge_edges, carried"),
-              "keyframe", [&](std::size_t i, const Row& row) {
-                const std::int64_t number = row.Integer(0);
-                KeyFrame keyframe;
-                const bool same = At("keyframe", number, [&] { return rows::ReadKeyframe(row, keyframe); });
-                if (!selection_.Has(keyframe)) return;
-                const auto read = [&](std::size_t column, auto& list) {
-                  ids.clear();
-                  row.Integers64(column, ids);
-                  list.assign(reinterpret_cast<const KeyFrameId*>(ids.data()),
-                              reinterpret_cast<const KeyFrameId*>(ids.data()) + ids.size());
-                };
-                static_assert(sizeof(KeyFrameId) == sizeof(std::int64_t));
-                read(39, keyframe.children);
-                read(42, keyframe.loop_edges);
-                read(43, keyframe.merge_edges);
-                ids.clear();
-                weights.clear();
-                row.Integers64(40, ids);
-                row.Integers32(41, weights);
-                RequireSame("keyframe", number, ids.size() == weights.size());
-                for (std::size_t k = 0; k < ids.size(); ++k)
-                  keyframe.connections.push_back({KeyFrameId(static_cast<std::uint64_t>(ids[k])), weights[k]});
-                keyframe.carried = CarriedIn(row, 44, "keyframe", number);
-                AtlasHashes::OfMap& hashes = hashes_.maps[i];
-                hashes.keyframes.push_back(detail::HashOfRow(keyframe));
-                hashes.links.push_back(detail::HashOfLinks(keyframe));
-                RequireSame("keyframe", number,
-                            same && hashes.keyframes.back() == row.Integer(2) && hashes.links.back() == row.Integer(3));
-                maps_[i].keyframes.push_back(number);
-                atlas_.maps[i].keyframes.push_back(std::move(keyframe));
-              });
+    const auto visit = [&](std::size_t i, const Row& row) {
+      const std::int64_t number = row.Integer(0);
+      KeyFrame keyframe;
+      const bool same = At("keyframe", number, [&] { return rows::ReadKeyframe(row, keyframe); });
+      if (!selection_.Has(keyframe)) return;
+      const auto read = [&](std::size_t column, auto& list) {
+        ids.clear();
+        row.Integers64(column, ids);
+        list.assign(reinterpret_cast<const KeyFrameId*>(ids.data()),
+                    reinterpret_cast<const KeyFrameId*>(ids.data()) + ids.size());
+      };
+      static_assert(sizeof(KeyFrameId) == sizeof(std::int64_t));
+      read(39, keyframe.children);
+      read(42, keyframe.loop_edges);
+      read(43, keyframe.merge_edges);
+      ids.clear();
+      weights.clear();
+      row.Integers64(40, ids);
+      row.Integers32(41, weights);
+      RequireSame("keyframe", number, ids.size() == weights.size());
+      for (std::size_t k = 0; k < ids.size(); ++k)
+        keyframe.connections.push_back({KeyFrameId(static_cast<std::uint64_t>(ids[k])), weights[k]});
+      keyframe.carried = CarriedIn(row, 44, "keyframe", number);
+      AtlasHashes::OfMap& hashes = hashes_.maps[i];
+      hashes.keyframes.push_back(detail::HashOfRow(keyframe));
+      hashes.links.push_back(detail::HashOfLinks(keyframe));
+      RequireSame("keyframe", number,
+                  same && hashes.keyframes.back() == row.Integer(2) && hashes.links.back() == row.Integer(3));
+      maps_[i].keyframes.push_back(number);
+      atlas_.maps[i].keyframes.push_back(std::move(keyframe));
+    };
+    const std::string columns =
+        Concat(rows::kKeyframeColumns, ", children, connections, weights, loop_edges, merge_edges, carried");
+    if (base_ == nullptr)
+      VisitList(columns, "keyframe", visit);
+    else
+      VisitMissing(columns, "keyframe", "links_hash", base_->keyframes, visit,
+                   [&](std::size_t i, const HashedRow& row, const KeyFrame& keyframe) {
+                     hashes_.maps[i].keyframes.push_back(row.hash);
+                     hashes_.maps[i].links.push_back(row.details);
+                     maps_[i].keyframes.push_back(row.row);
+                     KeyFrame& taken = atlas_.maps[i].keyframes.emplace_back(keyframe);
+                     taken.features = CountsOf(keyframe);
+                   });
     for (std::size_t i = 0; i < maps_.size(); ++i) hashes_.maps[i].features.resize(maps_[i].keyframes.size());
   }
 
@@ -254,11 +329,7 @@ class Loader {
           if (i == by_row.size() || row.Integer(0) < maps_[by_row[i]].keyframes[next]) return;  // not selected
           const std::int64_t due = maps_[by_row[i]].keyframes[next];
           if (row.Integer(0) != due || row.IsNull(3)) throw Damaged("keyframe_features", due, "missing");
-          const auto text = [&](std::size_t column) {
-            const Bytes bytes = row.Blob(column);
-            return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-          };
-          waiting.push_back({by_row[i], next++, row.Integer(1), text(2), text(3)});
+          waiting.push_back({by_row[i], next++, row.Integer(1), TextOf(row.Blob(2)), TextOf(row.Blob(3))});
           skip_ended();
           if (waiting.size() < kFeaturesAtOnce) return;
           Unpack(waiting);
@@ -269,6 +340,112 @@ class Loader {
         "table keyframe_features");
     Unpack(waiting);
     if (i < by_row.size()) throw Damaged("keyframe_features", maps_[by_row[i]].keyframes[next], "missing");
+  }
+
+  // Whose features the base does not have, and the hash that they are to have.
+  struct Missing {
+    std::size_t map, index;
+    std::int64_t row, hash;
+  };
+
+  void LoadFeaturesOnto() {
+    std::vector<Missing> missing;
+    std::vector<std::size_t> next(maps_.size());
+    for (const HashedRow& row : ReadHashes("keyframe_features", "keyframe", "hash")) {
+      const std::size_t i = IndexOf(rows::MapOfRow(row.row));
+      if (i == maps_.size() || next[i] == maps_[i].keyframes.size() || maps_[i].keyframes[next[i]] != row.row)
+        throw Damaged("keyframe_features", row.row, "of no keyframe, or one before it is missing");
+      const std::size_t k = next[i]++;
+      if (const KeyFrame* same = base_->features.Find(row.hash, row.details)) {
+        TakeFeatures(*same, atlas_.maps[i].keyframes[k]);
+        hashes_.maps[i].features[k] = row.hash;
+      } else {
+        missing.push_back({i, k, row.row, row.hash});
+      }
+    }
+    for (std::size_t i = 0; i < maps_.size(); ++i)
+      if (next[i] < maps_[i].keyframes.size())
+        throw Damaged("keyframe_features", maps_[i].keyframes[next[i]], "missing");
+    const std::map<Uuid, const KeyFrame*> pictures = PicturesOfBase(missing);
+    for (std::size_t begin = 0; begin < missing.size(); begin += kFeaturesAtOnce) {
+      const std::size_t end = std::min(begin + kFeaturesAtOnce, missing.size());
+      FetchFeatures(
+          {missing.begin() + static_cast<std::ptrdiff_t>(begin), missing.begin() + static_cast<std::ptrdiff_t>(end)},
+          pictures);
+      if (options_.progress)
+        options_.progress("loading", static_cast<double>(end) / static_cast<double>(missing.size()));
+    }
+  }
+  // What the row has of them.
+  static Features CountsOf(const KeyFrame& keyframe) {
+    const Features& all = keyframe.features;
+    return {.count = all.count, .left_count = all.left_count, .right_count = all.right_count};
+  }
+  static void TakeFeatures(const KeyFrame& from, KeyFrame& to) {
+    const Features counts = CountsOf(to);
+    to.features = from.features;
+    to.features.count = counts.count;
+    to.features.left_count = counts.left_count;
+    to.features.right_count = counts.right_count;
+  }
+  // What is another keypoint's point by now is mostly the same picture.
+  std::map<Uuid, const KeyFrame*> PicturesOfBase(const std::vector<Missing>& missing) const {
+    std::vector<const KeyFrame*> candidates;
+    for (const Missing& each : missing) {
+      const auto found = base_->by_id.find(atlas_.maps[each.map].keyframes[each.index].id.value());
+      if (found != base_->by_id.end()) candidates.push_back(found->second);
+    }
+    return ByPicture(candidates, options_.threads);
+  }
+  void FetchFeatures(const std::vector<Missing>& missing, const std::map<Uuid, const KeyFrame*>& pictures) {
+    std::vector<std::int64_t> keyframes;
+    for (const Missing& each : missing) keyframes.push_back(each.row);
+    std::ranges::sort(keyframes);
+    const Result found = connection_.Query(
+        Concat("SELECT keyframe, points, picture FROM keyframe_features WHERE ", Mine(), " AND keyframe = ANY ($1)"),
+        {std::span<const std::int64_t>(keyframes)}, "table keyframe_features");
+    std::map<std::int64_t, std::size_t> by_keyframe;
+    std::map<Uuid, std::string> columns;
+    std::vector<Uuid> picture_of(found.rows()), wanted;
+    for (std::size_t i = 0; i < found.rows(); ++i) {
+      by_keyframe[found[i].Integer(0)] = i;
+      picture_of[i] = UuidOf(found[i].Blob(2));
+      if (!columns.try_emplace(picture_of[i]).second) continue;
+      if (const auto same = pictures.find(picture_of[i]); same != pictures.end()) {
+        detail::ByteWriter out;
+        rows::EncodePicture(*same->second, out);
+        columns[picture_of[i]] = out.Take();
+      } else {
+        wanted.push_back(picture_of[i]);
+      }
+    }
+    FetchPictures(wanted, columns);
+    std::vector<Packed> packed;
+    for (const Missing& each : missing) {
+      const auto at = by_keyframe.find(each.row);
+      if (at == by_keyframe.end()) throw Damaged("keyframe_features", each.row, "missing");
+      packed.push_back(
+          {each.map, each.index, each.hash, TextOf(found[at->second].Blob(1)), columns.at(picture_of[at->second])});
+    }
+    Unpack(packed);
+  }
+  void FetchPictures(const std::vector<Uuid>& wanted, std::map<Uuid, std::string>& columns) {
+    if (wanted.empty()) return;
+    const Result found = connection_.Query(
+        Concat("SELECT hash, columns FROM picture WHERE atlas = ", named_.atlas, " AND hash = ANY ($1)"),
+        {std::span<const Uuid>(wanted)}, "table picture");
+    for (std::size_t i = 0; i < found.rows(); ++i) {
+      columns[UuidOf(found[i].Blob(0))] = TextOf(found[i].Blob(1));
+    }
+  }
+  Uuid UuidOf(Bytes bytes) const {
+    Uuid uuid{};
+    if (bytes.size() != uuid.size()) throw Damaged("picture", 0, "a hash of another length");
+    std::ranges::copy(bytes, uuid.begin());
+    return uuid;
+  }
+  static std::string TextOf(Bytes bytes) {
+    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
 
   void Unpack(const std::vector<Packed>& all) {
@@ -290,38 +467,47 @@ class Loader {
   void LoadPoints() {
     std::vector<std::int64_t> seen_by;
     std::vector<std::int32_t> left, right;
-    VisitList(Concat(rows::kPointColumns, ", ", rows::kPointTrackingColumns,
-                     ", seen_by, left_keypoints, right_keypoints, carried"),
-              "map_point", [&](std::size_t i, const Row& row) {
-                const std::int64_t number = row.Integer(0);
-                MapPoint point;
-                const bool same =
-                    rows::ReadPoint(row, point, [&] { return Damaged("map_point", number, "blob of wrong length"); });
-                if (!selection_.Has(point)) return;
-                seen_by.clear();
-                left.clear();
-                right.clear();
-                row.Integers64(24, seen_by);
-                row.Integers32(25, left);
-                row.Integers32(26, right);
-                RequireSame("map_point", number, left.size() == seen_by.size() && right.size() == seen_by.size());
-                point.observations.reserve(seen_by.size());
-                for (std::size_t k = 0; k < seen_by.size(); ++k)
-                  point.observations.push_back({KeyFrameId(static_cast<std::uint64_t>(seen_by[k])), left[k], right[k]});
-                point.carried = CarriedIn(row, 27, "map_point", number);
-                AtlasHashes::OfMap& hashes = hashes_.maps[i];
-                hashes.points.push_back(detail::HashOfRow(point));
-                hashes.observations.push_back(detail::HashOf(point.observations));
-                RequireSame(
-                    "map_point", number,
-                    same && hashes.points.back() == row.Integer(2) && hashes.observations.back() == row.Integer(3));
-                maps_[i].points.push_back(number);
-                atlas_.maps[i].points.push_back(std::move(point));
-              });
+    const auto visit = [&](std::size_t i, const Row& row) {
+      const std::int64_t number = row.Integer(0);
+      MapPoint point;
+      const bool same =
+          rows::ReadPoint(row, point, [&] { return Damaged("map_point", number, "blob of wrong length"); });
+      if (!selection_.Has(point)) return;
+      seen_by.clear();
+      left.clear();
+      right.clear();
+      row.Integers64(24, seen_by);
+      row.Integers32(25, left);
+      row.Integers32(26, right);
+      RequireSame("map_point", number, left.size() == seen_by.size() && right.size() == seen_by.size());
+      point.observations.reserve(seen_by.size());
+      for (std::size_t k = 0; k < seen_by.size(); ++k)
+        point.observations.push_back({KeyFrameId(static_cast<std::uint64_t>(seen_by[k])), left[k], right[k]});
+      point.carried = CarriedIn(row, 27, "map_point", number);
+      AtlasHashes::OfMap& hashes = hashes_.maps[i];
+      hashes.points.push_back(detail::HashOfRow(point));
+      hashes.observations.push_back(detail::HashOf(point.observations));
+      RequireSame("map_point", number,
+                  same && hashes.points.back() == row.Integer(2) && hashes.observations.back() == row.Integer(3));
+      maps_[i].points.push_back(number);
+      atlas_.maps[i].points.push_back(std::move(point));
+    };
+    const std::string columns = Concat(rows::kPointColumns, ", ", rows::kPointTrackingColumns,
+                                       ", seen_by, left_keypoints, right_keypoints, carried");
+    if (base_ == nullptr)
+      VisitList(columns, "map_point", visit);
+    else
+      VisitMissing(columns, "map_point", "observations_hash", base_->points, visit,
+                   [&](std::size_t i, const HashedRow& row, const MapPoint& point) {
+                     hashes_.maps[i].points.push_back(row.hash);
+                     hashes_.maps[i].observations.push_back(row.details);
+                     maps_[i].points.push_back(row.row);
+                     atlas_.maps[i].points.push_back(point);
+                   });
   }
 
   void LoadLandmarks() {
-    VisitList(rows::kLandmarkColumns, "landmark", [&](std::size_t i, const Row& row) {
+    const auto visit = [&](std::size_t i, const Row& row) {
       const std::int64_t number = row.Integer(0);
       Landmark landmark;
       const bool same = At("landmark", number, [&] {
@@ -333,7 +519,16 @@ class Loader {
       maps_[i].landmarks.push_back(number);
       hashes_.maps[i].landmarks.push_back(hash);
       atlas_.maps[i].landmarks.push_back(std::move(landmark));
-    });
+    };
+    if (base_ == nullptr)
+      VisitList(rows::kLandmarkColumns, "landmark", visit);
+    else
+      VisitMissing(rows::kLandmarkColumns, "landmark", "hash", base_->landmarks, visit,
+                   [&](std::size_t i, const HashedRow& row, const Landmark& landmark) {
+                     maps_[i].landmarks.push_back(row.row);
+                     hashes_.maps[i].landmarks.push_back(row.hash);
+                     atlas_.maps[i].landmarks.push_back(landmark);
+                   });
   }
 
   // Brings what came in the order of rows into that of the lists.
@@ -367,12 +562,20 @@ class Loader {
   std::vector<MapRows> maps_;
   std::vector<std::int64_t> stored_header_hashes_;
   std::int64_t hash_ = 0;  // of the revision
+  const BaseAtlas* base_;  // null: there is none
 };
 
 }  // namespace
 
 Atlas LoadAtlas(Connection& connection, const Named& named, const ReadOptions& options) {
   return Loader(connection, named, options).Run();
+}
+
+Atlas LoadOnto(Connection& connection, const Named& named, const Atlas& base, const ReadOptions& options) {
+  const ReadOptions whole{.threads = options.threads, .progress = options.progress};
+  if (base.maps.empty()) return LoadAtlas(connection, named, whole);
+  const BaseAtlas at_hand(base, options.threads);
+  return Loader(connection, named, whole, &at_hand).Run();
 }
 
 }  // namespace slamdb::postgresql

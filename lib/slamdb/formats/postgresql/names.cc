@@ -118,6 +118,16 @@ Named Find(Connection& connection, std::string_view text) {
   return *named;
 }
 
+Named Find(Connection& connection, const RevisionName& revision) {
+  std::optional<Named> named = FindNewest(connection, revision.atlas);
+  if (!named) throw rows::NoSuchAtlas(connection.path(), revision.atlas, NamesOf(connection));
+  named->number = static_cast<std::int64_t>(revision.number);
+  const std::vector<std::int64_t> numbers = NumbersOf(connection, named->atlas);
+  if (std::ranges::find(numbers, named->number) == numbers.end())
+    throw NotFound(connection, *named, std::to_string(revision.number));
+  return *named;
+}
+
 std::vector<std::string> NamesOf(Connection& connection) {
   return Texts(connection.Query("SELECT name FROM atlas ORDER BY name COLLATE \"C\"", {}, "table atlas"));
 }

@@ -135,6 +135,15 @@ class PostgresqlStore : public detail::StoreBackend {
   std::vector<HistoryEntry> Log(const std::string& name) override {
     return Reading([&] { return ReadHistory(connection_, name); });
   }
+  HistoryEntry LogOf(const RevisionName& revision) override {
+    return Reading([&] {
+      const Named named = postgresql::Find(connection_, revision);
+      return ReadHistoryOf(connection_, named.atlas, named.number);
+    });
+  }
+  std::vector<RevisionChain> Chains(const ChainQuery& query) override {
+    return Reading([&] { return ReadChains(connection_, query); });
+  }
   StoredPlaces PlacesLike(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) override {
     Places places;
     std::vector<std::string> unsearched;
@@ -162,6 +171,10 @@ class PostgresqlStore : public detail::StoreBackend {
       if (error.kind() != ErrorKind::kDamaged || !IsGone(name, read)) throw;
     }
     return LoadOnce(name, options, read);
+  }
+  Atlas LoadOnto(const RevisionName& revision, const Atlas& base, const ReadOptions& options) override {
+    return Reading(
+        [&] { return postgresql::LoadOnto(connection_, postgresql::Find(connection_, revision), base, options); });
   }
   Named FindNamed(const std::string& name) override {
     return Reading([&] { return postgresql::Find(connection_, name); });
@@ -246,13 +259,14 @@ class PostgresqlStore : public detail::StoreBackend {
 
 SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) {
   rows::CheckName(path(), name);
-  detail::EnterOutput(path(), name);
+  if (!options.recorded) detail::EnterOutput(path(), name);
   const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
   // Before the lock, for which others wait.
   const bool was_edited = options.verify && options.overwrite && Has(name) && !IsWhole(name, options.threads);
   Transaction transaction(connection_, Transaction::Kind::kWrite);
   LockAtlas(connection_, name, lock_options());
-  rows::CheckIsNoRevision(path(), name, [&](const std::string& each) { return postgresql::Has(connection_, each); });
+  if (!options.recorded)
+    rows::CheckIsNoRevision(path(), name, [&](const std::string& each) { return postgresql::Has(connection_, each); });
   const Result found = connection_.Query("SELECT revision, hash FROM atlas WHERE name = $1", {name}, "table atlas");
   const bool is_there = found.rows() > 0;
   if (options.keep_equal && is_there && found[0].Integer(1) == hashes.Combined())

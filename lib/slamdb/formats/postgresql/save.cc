@@ -15,6 +15,7 @@
 #include "slamdb/formats/rows/detail/map_rows.h"
 #include "slamdb/formats/rows/detail/match_maps.h"
 #include "slamdb/formats/rows/detail/provenance.h"
+#include "slamdb/formats/rows/detail/revision_names.h"
 #include "slamdb/formats/rows/detail/summary_columns.h"
 #include "slamdb/model/detail/record.h"
 #include "slamdb/model/summary.h"
@@ -67,26 +68,33 @@ std::vector<Value> SummaryRow(std::int64_t hash, const AtlasSummary& summary) {
   return row;
 }
 
+// When a revision of another store was saved there; NULL: now.
+Parameter RecordedAt(const SaveContext& context) {
+  return context.options.recorded ? Parameter(context.options.recorded->at) : Parameter::Null();
+}
+
 // Writes the row of the atlas, and sets context.atlas.
 void SaveAtlasRow(SaveContext& context, const std::string& name, std::int64_t hash, const AtlasSummary& summary) {
   std::vector<Parameter> parameters;
   for (const Value& value : SummaryRow(hash, summary)) parameters.push_back(ParameterOf(value));
   std::string numbers;
   for (std::size_t i = 1; i <= parameters.size(); ++i) numbers += Concat(i == 1 ? "$" : ", $", i);
-  const std::string revision = Concat("$", parameters.size() + 1), key = Concat("$", parameters.size() + 2);
+  const std::string revision = Concat("$", parameters.size() + 1), key = Concat("$", parameters.size() + 3);
+  const std::string at = Concat("coalesce($", parameters.size() + 2, "::text::timestamptz, now())");
   parameters.emplace_back(context.revision);
+  parameters.push_back(RecordedAt(context));
   if (context.is_new) {
     parameters.emplace_back(name);
     const Result made = context.connection.Query(
         Concat("INSERT INTO atlas (", kSummaryColumns, ", revision, name, saved_at, bytes) VALUES (", numbers, ", ",
-               revision, ", ", key, ", now(), 0) RETURNING row"),
+               revision, ", ", key, ", ", at, ", 0) RETURNING row"),
         parameters, "table atlas");
     context.atlas = made[0].Integer(0);
     return;
   }
   parameters.emplace_back(context.atlas);
   context.connection.Query(Concat("UPDATE atlas SET (", kSummaryColumns, ", revision, saved_at) = (", numbers, ", ",
-                                  revision, ", now()) WHERE row = ", key),
+                                  revision, ", ", at, ") WHERE row = ", key),
                            parameters, "table atlas");
 }
 
@@ -346,7 +354,9 @@ std::int64_t Record(SaveContext& context, const std::string& name, const AtlasSu
   const MapChanges& map = context.map;
   // File names in it may be any bytes, which a text of PostgreSQL may not.
   const std::string provenance = detail::Visible(context.options.provenance);
-  std::vector<Parameter> parameters{rows::ToolName(), name, provenance, rows::Who(), hash};
+  const std::optional<Recorded>& recorded = context.options.recorded;
+  std::vector<Parameter> parameters{recorded ? detail::Visible(recorded->tool) : rows::ToolName(), name, provenance,
+                                    recorded ? detail::Visible(recorded->who) : rows::Who(), hash};
   for (const std::uint64_t count : {summary.maps, summary.keyframes, summary.points, summary.observations,
                                     rows.inserted, rows.updated, rows.deleted, rows.unchanged})
     parameters.push_back(number(count));
@@ -355,11 +365,13 @@ std::int64_t Record(SaveContext& context, const std::string& name, const AtlasSu
        {map.keyframes_added, map.keyframes_removed, map.keyframes_moved, map.points_added, map.points_removed,
         map.points_moved, map.observations_added, map.observations_removed})
     parameters.push_back(is_unchanged ? Parameter::Null() : number(count));
+  parameters.push_back(RecordedAt(context));
   const Result made = context.connection.Query(
       "INSERT INTO history (at, action, tool, atlas, provenance, who, hash, maps, keyframes, points, observations, "
       "inserted, updated, deleted, unchanged, revision, keyframes_added, keyframes_removed, keyframes_moved, "
       "points_added, "
-      "points_removed, points_moved, observations_added, observations_removed) VALUES (now(), 'save', $1, $2, $3, $4, "
+      "points_removed, points_moved, observations_added, observations_removed) VALUES "
+      "(coalesce($23::text::timestamptz, now()), 'save', $1, $2, $3, $4, "
       "$5, "
       "$6, $7, $8, $9, $10, $11, $12, $13, $14::integer, $15::bigint, $16::bigint, $17::bigint, $18::bigint, "
       "$19::bigint, "
@@ -426,23 +438,21 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atla
   SaveContext context{.connection = connection, .options = options};
   context.is_new = found.rows() == 0;
   context.rewrites = rewrite;
-  context.revision = 1;
-  if (!context.is_new) {
-    context.atlas = found[0].Integer(0);
-    context.revision = found[0].Integer(1) + 1;
-  }
+  if (!context.is_new) context.atlas = found[0].Integer(0);
+  const std::int64_t newest = context.is_new ? 0 : found[0].Integer(1);
+  context.revision = rows::NextNumber(connection.path(), options.recorded, newest);
   for (const Map& map : atlas.maps) context.entities += 100 * map.keyframes.size() + map.points.size();
   const AtlasSummary summary = Summarize(atlas);
   SaveReport report{.hash = static_cast<std::uint64_t>(hash), .replaced = !context.is_new};
-  report.unchanged = !context.is_new && !rewrite && found[0].Integer(2) == hash;
+  report.unchanged = !context.is_new && !rewrite && !options.recorded && found[0].Integer(2) == hash;
   if (report.unchanged) {
-    --context.revision;
+    context.revision = newest;
     CountUnchanged(context, atlas);
   } else {
     SaveAtlasRow(context, name, hash, summary);
     ++(context.is_new ? context.changes["atlas"].inserted : context.changes["atlas"].updated);
     context.partition = HoldPartition(connection, context.atlas, lock);
-    UndoUnfinished(connection, context.partition, context.atlas, context.revision - 1);
+    UndoUnfinished(connection, context.partition, context.atlas, newest);
     SaveContent(context, atlas, hashes);
     SaveBytes(context);
   }

@@ -140,6 +140,15 @@ void CheckName(const std::string& path, const std::string& name) {
                      name, "' ", problem));
 }
 
+std::int64_t NextNumber(const std::string& path, const std::optional<Recorded>& recorded, std::int64_t newest) {
+  if (!recorded) return newest + 1;
+  const auto number = static_cast<std::int64_t>(recorded->number);
+  if (number <= newest || number > 0x7ffffffe)
+    throw Error(ErrorKind::kUsage, path, "",
+                detail::Concat("a revision cannot be number ", recorded->number, " behind number ", newest));
+  return number;
+}
+
 std::vector<std::int64_t> KeptOf(const std::vector<KeptRevision>& all, const GiveUpOptions& options) {
   const std::string since = options.keep_days ? DaysAgo(*options.keep_days) : std::string("9999");
   const std::uint64_t last = std::min<std::uint64_t>(std::max<std::uint64_t>(options.keep.value_or(1), 1), all.size());

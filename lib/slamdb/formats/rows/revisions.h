@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -37,6 +38,28 @@ struct RevisionName {
   std::uint64_t hash = 0;  // HashOf (model/digest.h) of it; 0: not known
   std::string ToString() const { return atlas + "@" + std::to_string(number); }
   friend bool operator==(const RevisionName&, const RevisionName&) = default;
+};
+
+// The revisions of an atlas that can be read, as stores are compared by.
+struct RevisionChain {
+  struct Link {
+    std::uint64_t number = 0, hash = 0;
+    std::uint64_t from_hash = 0;  // of what it was made of besides; 0: nothing
+  };
+  struct Tag {
+    std::string name;
+    std::uint64_t number = 0;
+  };
+  std::string name;
+  std::vector<Link> links;  // oldest first
+  std::vector<Tag> tags;    // by name
+};
+
+// Which atlases Store::Chains tells of.
+struct ChainQuery {
+  std::vector<std::string> names;  // only these; empty: all
+  std::string after;               // only names behind this one
+  std::size_t count = 1000;        // the first so many
 };
 
 // Which revisions GiveUp leaves. The newest of an atlas stays always, and so does what has a tag, and where another

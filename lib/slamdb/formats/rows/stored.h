@@ -44,6 +44,13 @@ struct SaveReport {
   SLAMDB_EXPORT TableChanges Total() const;
 };
 
+// What a store takes over of a revision from another store, in place of what a save knows by itself.
+struct Recorded {
+  std::uint64_t number = 0;  // of the revision, above the newest of its atlas. It is made also where nothing differs
+  std::string at;            // UTC, as HistoryEntry has it
+  std::string who, tool;
+};
+
 struct SaveOptions {
   std::string provenance;   // one line for the history: what made the atlas (`convert session_a.osa`)
   bool overwrite = true;    // replace the atlas of that name; false: Error (kAlreadyExists), whoever was faster
@@ -53,6 +60,7 @@ struct SaveOptions {
                         // where the hash of the atlas is that of the new one, none is looked at
   std::optional<RevisionName> from;     // what it was made of besides the revision before it, as by a merge
   std::optional<std::uint64_t> onto;    // the revision that it was made of: Error (kLocked) unless that is the newest
+  std::optional<Recorded> recorded;     // of a revision of another store
   std::function<void()> before_commit;  // called when all rows are written, right before they are seen; may be empty
   int threads = 0;                      // 0: every core
   Progress progress;

@@ -93,6 +93,40 @@ void GiveUpAllBut(Database& database, const Named& atlas, const std::vector<std:
     if (!std::ranges::binary_search(kept, number)) remove.Bind(1, atlas.atlas).Bind(2, number).Run();
 }
 
+std::uint64_t Unsigned(const Statement& statement, int column) {
+  return static_cast<std::uint64_t>(statement.Integer(column));
+}
+
+// An atlas and its newest revision.
+struct Head {
+  std::int64_t row = 0;
+  std::string name;
+  RevisionChain::Link newest;
+};
+
+std::vector<Head> HeadsOf(Database& database, const ChainQuery& query) {
+  std::vector<Head> heads;
+  Statement select(database,
+                   query.names.empty()
+                       ? "SELECT row, name, revision, hash FROM atlas WHERE name > ?1 ORDER BY name LIMIT ?2"
+                       : "SELECT row, name, revision, hash FROM atlas WHERE name > ?1 AND name = ?3 LIMIT ?2",
+                   "table atlas");
+  select.BindText(1, query.after).Bind(2, static_cast<std::int64_t>(query.count));
+  const auto take = [&] {
+    while (select.Step())
+      heads.push_back({select.Integer(0), select.Text(1), {Unsigned(select, 2), Unsigned(select, 3)}});
+    select.Reset();
+  };
+  if (query.names.empty()) take();
+  for (const std::string& name : query.names) {
+    select.BindText(3, name);
+    take();
+  }
+  std::ranges::sort(heads, {}, &Head::name);
+  if (heads.size() > query.count) heads.resize(query.count);
+  return heads;
+}
+
 }  // namespace
 
 std::vector<std::string> NamesOf(Database& database) {
@@ -112,6 +146,33 @@ Named Find(Database& database, std::string_view text) {
   const bool is_known = select.Bind(1, named->atlas).Bind(2, named->number).Step();
   if (!is_known && !named->is_newest()) throw NotFound(database, *named, split->which);
   return *named;
+}
+
+Named Find(Database& database, const RevisionName& revision) {
+  std::optional<Named> named = FindNewest(database, revision.atlas);
+  if (!named) throw rows::NoSuchAtlas(database.path(), revision.atlas, NamesOf(database));
+  named->number = static_cast<std::int64_t>(revision.number);
+  if (!named->is_newest() && !HashOfRevision(database, named->atlas, named->number))
+    throw NotFound(database, *named, std::to_string(revision.number));
+  return *named;
+}
+
+std::vector<RevisionChain> ReadChains(Database& database, const ChainQuery& query) {
+  std::vector<RevisionChain> chains;
+  for (const Head& head : HeadsOf(database, query)) {
+    RevisionChain& chain = chains.emplace_back(RevisionChain{.name = head.name});
+    Statement links(database,
+                    "SELECT number, history.hash, from_hash FROM revision JOIN history ON history.row = history WHERE "
+                    "revision.atlas = ?1 ORDER BY number",
+                    "table revision");
+    links.Bind(1, head.row);
+    while (links.Step()) chain.links.push_back({Unsigned(links, 0), Unsigned(links, 1), Unsigned(links, 2)});
+    if (chain.links.empty() || chain.links.back().number != head.newest.number) chain.links.push_back(head.newest);
+    Statement tags(database, "SELECT name, number FROM tag WHERE atlas = ?1 ORDER BY name", "table tag");
+    tags.Bind(1, head.row);
+    while (tags.Step()) chain.tags.push_back({tags.Text(0), Unsigned(tags, 1)});
+  }
+  return chains;
 }
 
 void AddRevision(Database& database, std::int64_t atlas, std::int64_t history,

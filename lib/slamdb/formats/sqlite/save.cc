@@ -7,6 +7,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/rows/detail/map_rows.h"
 #include "slamdb/formats/rows/detail/match_maps.h"
+#include "slamdb/formats/rows/detail/revision_names.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/list_order.h"
 #include "slamdb/formats/sqlite/detail/pictures.h"
@@ -32,33 +33,35 @@ std::optional<StoredHead> AtlasNamed(Database& database, const std::string& name
   return StoredHead{statement.Integer(0), statement.Integer(1), statement.Integer(2)};
 }
 
-// Writes the row of the atlas; revision counts on.
-std::int64_t SaveHeader(Database& database, const std::string& name, const Atlas& atlas, const AtlasSummary& summary,
-                        std::int64_t hash, const std::optional<StoredHead>& stored, ChangeCounter& changes) {
+// Writes the row of the atlas.
+std::int64_t SaveHeader(SaveContext& context, const std::string& name, const Atlas& atlas, const AtlasSummary& summary,
+                        const SaveReport& report, const std::optional<StoredHead>& stored) {
   Statement statement(
-      database,
-      detail::Concat("INSERT INTO atlas (row, name, ", rows::kHeaderColumns,
-                     ", revision, saved_at, maps, keyframes, points, observations, hash) VALUES (?1, ?2, ?3, ?4, ?5, "
-                     "?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, 1, ?16, ?17, ?18, ?19, ?20, ?21) ON CONFLICT (row) "
-                     "DO UPDATE SET (",
-                     rows::kHeaderColumns,
-                     ") = (?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15), revision = revision + 1, "
-                     "saved_at = ?16, maps = ?17, keyframes = ?18, points = ?19, observations = ?20, hash = ?21 "
-                     "RETURNING row"),
+      context.database,
+      detail::Concat(
+          "INSERT INTO atlas (row, name, ", rows::kHeaderColumns,
+          ", revision, saved_at, maps, keyframes, points, observations, hash) VALUES (?1, ?2, ?3, ?4, ?5, "
+          "?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?22, ?16, ?17, ?18, ?19, ?20, ?21) ON CONFLICT (row) "
+          "DO UPDATE SET (",
+          rows::kHeaderColumns,
+          ") = (?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15), revision = ?22, "
+          "saved_at = ?16, maps = ?17, keyframes = ?18, points = ?19, observations = ?20, hash = ?21 "
+          "RETURNING row"),
       "table atlas");
-  const std::string now = TimeOfDay();
+  const std::string now = context.options.recorded ? context.options.recorded->at : TimeOfDay();
   std::vector<Value> columns{stored ? Value(stored->row) : Value(), std::string_view(name)};
   std::ranges::copy(rows::HeaderRow(atlas), std::back_inserter(columns));
   columns.emplace_back(std::string_view(now));
   for (const std::uint64_t count : {summary.maps, summary.keyframes, summary.points, summary.observations})
     columns.emplace_back(ToColumn(count));
-  columns.emplace_back(hash);
+  columns.emplace_back(ToColumn(report.hash));
+  columns.emplace_back(ToColumn(report.revision));
   statement.BindAll(columns);
   statement.Step();
   const std::int64_t row = statement.Integer(0);
   while (statement.Step()) {
   }
-  ++(stored ? changes["atlas"].updated : changes["atlas"].inserted);
+  ++(stored ? context.changes["atlas"].updated : context.changes["atlas"].inserted);
   return row;
 }
 
@@ -332,11 +335,12 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
   const std::optional<StoredHead> stored = AtlasNamed(database, name);
   report.hash = static_cast<std::uint64_t>(hashes.Combined());
   report.replaced = stored.has_value();
-  report.revision = stored ? static_cast<std::uint64_t>(stored->revision) + 1 : 1;
+  report.revision =
+      static_cast<std::uint64_t>(rows::NextNumber(database.path(), options.recorded, stored ? stored->revision : 0));
   PastWriter past(database, stored ? stored->row : 0, static_cast<std::int64_t>(report.revision), Carries(atlas));
   SaveContext context{.database = database, .options = options, .changes = changes, .past = past, .map = report.map};
   for (const Map& map : atlas.maps) context.entities += 100 * map.keyframes.size() + map.points.size();
-  if (stored && rewrite == Rewrite::kWhatDiffers && stored->hash == hashes.Combined()) {
+  if (stored && !options.recorded && rewrite == Rewrite::kWhatDiffers && stored->hash == hashes.Combined()) {
     context.atlas = stored->row;
     report.unchanged = true;
     report.revision = static_cast<std::uint64_t>(stored->revision);
@@ -348,7 +352,7 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
   if (stored && rewrite == Rewrite::kAll)
     for (const StoredMap& map : ReadStoredMaps(database, stored->row)) RemoveMap(context, map.row);
   const AtlasSummary summary = Summarize(atlas);
-  context.atlas = SaveHeader(database, name, atlas, summary, hashes.Combined(), stored, changes);
+  context.atlas = SaveHeader(context, name, atlas, summary, report, stored);
   SaveContent(context, atlas, hashes);
   SaveSummary(database, context.atlas, summary);
   report.tables = changes.Take();

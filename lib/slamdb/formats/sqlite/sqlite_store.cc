@@ -41,19 +41,25 @@ bool HasAtlas(Database& database, const std::string& name) {
   return Statement(database, "SELECT 1 FROM atlas WHERE name = ?1", "table atlas").BindText(1, name).Step();
 }
 
+// What is recorded of what is done now.
+Recorded RecordedNow() { return {.at = TimeOfDay(), .who = Who(), .tool = ToolName()}; }
+
 // Returns its row.
 std::int64_t Record(Database& database, const char* action, const std::string& name, const std::string& provenance,
-                    const TableChanges& rows) {
+                    const TableChanges& rows, const Recorded& recorded) {
   Statement insert(
       database,
       "INSERT INTO history (at, tool, action, atlas, provenance, maps, keyframes, points, observations, hash, "
       "inserted, updated, deleted, unchanged, who) SELECT ?1, ?2, ?3, ?4, ?5, maps, keyframes, points, "
       "observations, hash, ?6, ?7, ?8, ?9, ?10 FROM atlas WHERE name = ?4",
       "table history");
-  const std::string now = TimeOfDay(), tool = ToolName(), who = Who();
-  insert.BindText(1, now).BindText(2, tool).BindText(3, action).BindText(4, name).BindText(5, provenance);
+  insert.BindText(1, recorded.at)
+      .BindText(2, recorded.tool)
+      .BindText(3, action)
+      .BindText(4, name)
+      .BindText(5, provenance);
   insert.Bind(6, ToColumn(rows.inserted)).Bind(7, ToColumn(rows.updated)).Bind(8, ToColumn(rows.deleted));
-  insert.Bind(9, ToColumn(rows.unchanged)).BindText(10, who).Run();
+  insert.Bind(9, ToColumn(rows.unchanged)).BindText(10, recorded.who).Run();
   return sqlite3_last_insert_rowid(database.handle());
 }
 
@@ -226,8 +232,10 @@ WriteTransaction State::Lock() {
 
 SaveReport State::Save(const std::string& name, const Atlas& atlas, const SaveOptions& save_options) {
   rows::CheckName(database.path(), name);
-  rows::CheckIsNoRevision(database.path(), name, [this](const std::string& each) { return Has(each); });
-  detail::EnterOutput(database.path(), name);
+  if (!save_options.recorded) {
+    rows::CheckIsNoRevision(database.path(), name, [this](const std::string& each) { return Has(each); });
+    detail::EnterOutput(database.path(), name);
+  }
   const AtlasHashes hashes = detail::HashesOf(atlas, save_options.threads);
   // Before the lock, for which others wait, and with every core.
   const bool was_edited =
@@ -252,7 +260,8 @@ SaveReport State::SaveUnderLock(const std::string& name, const Atlas& atlas, con
   if (save_options.onto) CheckIsNewest(database, name, *save_options.onto);
   SaveReport report;
   SaveAtlas(database, name, atlas, hashes, save_options, was_edited ? Rewrite::kAll : Rewrite::kWhatDiffers, report);
-  const std::int64_t history = Record(database, "save", name, save_options.provenance, report.Total());
+  const std::int64_t history = Record(database, "save", name, save_options.provenance, report.Total(),
+                                      save_options.recorded ? *save_options.recorded : RecordedNow());
   if (!report.unchanged) {
     RecordChanges(database, history, report);
     AddRevision(database, sqlite::Find(database, name).atlas, history, save_options.from);
@@ -273,6 +282,15 @@ class SqliteStore : public detail::StoreBackend {
     return FindAtlases(state_->database, query);
   }
   std::vector<HistoryEntry> Log(const std::string& name) override { return ReadHistory(state_->database, name); }
+  HistoryEntry LogOf(const RevisionName& revision) override {
+    const Transaction transaction(state_->database, Transaction::Kind::kBegin);
+    const Named named = sqlite::Find(state_->database, revision);
+    return ReadHistoryOf(state_->database, named.atlas, named.number);
+  }
+  std::vector<RevisionChain> Chains(const ChainQuery& query) override {
+    const Transaction transaction(state_->database, Transaction::Kind::kBegin);
+    return ReadChains(state_->database, query);
+  }
   StoredPlaces PlacesLike(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) override {
     const Transaction transaction(state_->database, Transaction::Kind::kBegin);
     return FindPlaces(state_->database, pictures, options);
@@ -281,7 +299,14 @@ class SqliteStore : public detail::StoreBackend {
 
   void CheckWritable() const override { state_->CheckWritable(); }
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) override;
-  Atlas Load(const std::string& name, const ReadOptions& options) override;
+  Atlas Load(const std::string& name, const ReadOptions& options) override {
+    detail::EnterInput(path(), name);
+    return LoadNamed([&] { return sqlite::Find(state_->database, name); }, options);
+  }
+  // A file is read at once.
+  Atlas LoadOnto(const RevisionName& revision, const Atlas&, const ReadOptions& options) override {
+    return LoadNamed([&] { return sqlite::Find(state_->database, revision); }, options);
+  }
   Named FindNamed(const std::string& name) override { return sqlite::Find(state_->database, name); }
   RevisionName NameOf(const Named& named) override { return sqlite::NameOf(state_->database, named); }
   std::optional<RevisionName> CommonBase(const std::string& first, const std::string& second) override {
@@ -307,6 +332,9 @@ class SqliteStore : public detail::StoreBackend {
   void Backup(const std::string& target, bool overwrite) override { BackupTo(state_->database, target, overwrite); }
 
  private:
+  template <class FindIt>
+  Atlas LoadNamed(const FindIt& find, const ReadOptions& options);
+
   std::unique_ptr<State> state_;
 };
 
@@ -321,14 +349,14 @@ SaveReport SqliteStore::Save(const std::string& name, const Atlas& atlas, const 
   }
 }
 
-Atlas SqliteStore::Load(const std::string& name, const ReadOptions& options) {
-  detail::EnterInput(path(), name);
+template <class FindIt>
+Atlas SqliteStore::LoadNamed(const FindIt& find, const ReadOptions& options) {
   Database& database = state_->database;
   for (int attempt = 1;; ++attempt) {
     Named named;
     try {
       Transaction transaction(database, Transaction::Kind::kBegin);
-      named = sqlite::Find(database, name);
+      named = find();
       ReadOptions how = options;
       if (attempt == kLoadAttempts) how.threads = 1;  // one connection sees one moment, whoever saves
       Atlas atlas = LoadRevision(database, named, how);
@@ -364,7 +392,7 @@ void SqliteStore::Remove(const std::string& name) {
   const std::int64_t row = named.atlas;
   ChangeCounter changes;
   // The history needs the counts of what goes, and how many rows went: it is entered before and completed after.
-  Record(database, "remove", name, "", {});
+  Record(database, "remove", name, "", {}, RecordedNow());
   DeleteAtlas(database, row, changes);
   SaveReport report{.tables = changes.Take()};
   Statement complete(database, "UPDATE history SET deleted = ?1 WHERE row = (SELECT max(row) FROM history)",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 
@@ -59,6 +60,27 @@ void ReadRevision(const Statement& row, int column, HistoryEntry& entry) {
     *count = Unsigned(row, column++);
 }
 
+// Of the history and its revisions, as ReadEntry takes them.
+constexpr std::string_view kEntries =
+    "SELECT at, tool, action, coalesce(history.atlas, ''), provenance, maps, keyframes, points, observations, "
+    "inserted, updated, deleted, unchanged, history.hash, coalesce(who, ''), coalesce(history.revision, 0), "
+    "revision.number IS NOT NULL, (SELECT group_concat(tag.name, '\n') FROM tag WHERE tag.atlas = revision.atlas AND "
+    "tag.number = revision.number), from_atlas, from_number, from_hash, keyframes_added, keyframes_removed, "
+    "keyframes_moved, points_added, points_removed, points_moved, observations_added, observations_removed "
+    "FROM history LEFT JOIN revision ON revision.history = history.row WHERE ";
+
+HistoryEntry ReadEntry(const Statement& statement) {
+  HistoryEntry entry;
+  int column = 0;
+  for (std::string* text : {&entry.at, &entry.tool, &entry.action, &entry.atlas, &entry.provenance})
+    *text = statement.Text(column++);
+  for (std::uint64_t* value : {&entry.maps, &entry.keyframes, &entry.points, &entry.observations, &entry.inserted,
+                               &entry.updated, &entry.deleted, &entry.unchanged, &entry.hash})
+    *value = Unsigned(statement, column++);
+  ReadRevision(statement, column, entry);
+  return entry;
+}
+
 }  // namespace
 
 std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
@@ -80,31 +102,21 @@ std::vector<PartSize> PartSizesOf(Database& database, std::int64_t atlas) {
 }
 
 std::vector<HistoryEntry> ReadHistory(Database& database, const std::string& name) {
-  Statement statement(
-      database,
-      "SELECT at, tool, action, coalesce(history.atlas, ''), provenance, maps, keyframes, points, observations, "
-      "inserted, updated, deleted, unchanged, history.hash, coalesce(who, ''), coalesce(history.revision, 0), "
-      "revision.number IS NOT NULL, (SELECT group_concat(tag.name, '\n') FROM tag WHERE tag.atlas = revision.atlas AND "
-      "tag.number = revision.number), from_atlas, from_number, from_hash, keyframes_added, keyframes_removed, "
-      "keyframes_moved, points_added, points_removed, points_moved, observations_added, observations_removed "
-      "FROM history LEFT JOIN revision ON revision.history = history.row WHERE ?1 = '' OR history.atlas = ?1 "
-      "ORDER BY history.row",
-      "table history");
+  Statement statement(database, detail::Concat(kEntries, "?1 = '' OR history.atlas = ?1 ORDER BY history.row"),
+                      "table history");
   statement.BindText(1, name);
   std::vector<HistoryEntry> entries;
-  while (statement.Step()) {
-    HistoryEntry& entry = entries.emplace_back();
-    int column = 0;
-    for (std::string* text : {&entry.at, &entry.tool, &entry.action, &entry.atlas, &entry.provenance}) {
-      *text = statement.Text(column++);
-    }
-    for (std::uint64_t* value : {&entry.maps, &entry.keyframes, &entry.points, &entry.observations, &entry.inserted,
-                                 &entry.updated, &entry.deleted, &entry.unchanged, &entry.hash}) {
-      *value = Unsigned(statement, column++);
-    }
-    ReadRevision(statement, column, entry);
-  }
+  while (statement.Step()) entries.push_back(ReadEntry(statement));
   return entries;
+}
+
+HistoryEntry ReadHistoryOf(Database& database, std::int64_t atlas, std::int64_t number) {
+  Statement statement(database, detail::Concat(kEntries, "revision.atlas = ?1 AND revision.number = ?2"),
+                      "table history");
+  if (!statement.Bind(1, atlas).Bind(2, number).Step())
+    throw Error(ErrorKind::kDamaged, database.path(), "table history",
+                detail::Concat("tells nothing of revision ", number));
+  return ReadEntry(statement);
 }
 
 StoreStats ReadStatistics(Database& database) {

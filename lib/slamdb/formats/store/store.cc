@@ -3,6 +3,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/server.h"
+#include "slamdb/formats/postgresql/detail/errors.h"
 #include "slamdb/formats/postgresql/detail/postgresql_store.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/rows/detail/revision_names.h"
@@ -55,6 +56,10 @@ std::vector<std::string> Store::Find(const MapQuery& query, std::vector<std::str
 
 std::vector<HistoryEntry> Store::Log(const std::string& name) { return backend_->Log(name); }
 
+HistoryEntry Store::LogOf(const RevisionName& revision) { return backend_->LogOf(revision); }
+
+std::vector<RevisionChain> Store::Chains(const ChainQuery& query) { return backend_->Chains(query); }
+
 StoredPlaces Store::PlacesLike(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) {
   return backend_->PlacesLike(pictures, options);
 }
@@ -72,6 +77,10 @@ SaveReport Store::Save(const std::string& name, const Atlas& atlas, const SaveOp
 }
 
 Atlas Store::Load(const std::string& name, const ReadOptions& options) { return backend_->Load(name, options); }
+
+Atlas Store::LoadOnto(const RevisionName& revision, const Atlas& base, const ReadOptions& options) {
+  return backend_->LoadOnto(revision, base, options);
+}
 
 RevisionName Store::FindRevision(const std::string& name) { return backend_->NameOf(backend_->FindNamed(name)); }
 
@@ -141,6 +150,10 @@ void Store::Vacuum() {
 }
 
 void Store::Backup(const std::string& target, bool overwrite) { backend_->Backup(target, overwrite); }
+
+bool IsWorthRetrying(const Error& error) {
+  return error.kind() == ErrorKind::kLocked || postgresql::IsWorthRetrying(error);
+}
 
 MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options) {
   return detail::IsServer(path) ? postgresql::Migrate(path, options)

@@ -69,6 +69,13 @@ class SLAMDB_EXPORT Store {
   // not answer, the others are searched, and the names of its atlases come into `unsearched`; without that, it throws.
   std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched = nullptr);
   std::vector<HistoryEntry> Log(const std::string& name = {});  // oldest first; empty name: everything
+  // What the log says of one revision, by its number.
+  //
+  // Throws Error: kNotFound when it cannot be read any more.
+  HistoryEntry LogOf(const RevisionName& revision);
+  // The revisions of many atlases by their hashes, by name: what stores are compared by. Cost: some 20 bytes a
+  // revision.
+  std::vector<RevisionChain> Chains(const ChainQuery& query);
 
   // Which keyframes look like each of some pictures, by what the store keeps beside the atlases: reads none of them.
   // A picture is its ORB descriptors. What looks alike need not be the same place: Locator tells.
@@ -99,6 +106,14 @@ class SLAMDB_EXPORT Store {
   //
   // Throws Error: kNotFound naming the atlases or revisions that there are; kDamaged naming the first row that differs.
   Atlas Load(const std::string& name, const ReadOptions& options = {});
+
+  // Loads a whole revision, by its number, with the help of an atlas that has much of it, such as the revision before
+  // it: from a server comes only what `base` does not have, besides 24 bytes for each keyframe and point. Of the
+  // options, threads and progress count. What it gives is compared with the atlas' hash as Load's is, whatever `base`
+  // holds.
+  //
+  // Throws Error as Load does.
+  Atlas LoadOnto(const RevisionName& revision, const Atlas& base, const ReadOptions& options = {});
 
   // The revision that NAME or NAME@WHICH stands for.
   //
@@ -149,5 +164,8 @@ class SLAMDB_EXPORT Store {
 // Throws Error: kUnsupported for newer stores and the databases of others; kNotPossible when going back would lose
 // something, or would be a second step back.
 SLAMDB_EXPORT MigrateReport MigrateStore(const std::string& path, const MigrateOptions& options = {});
+
+// Whether doing it again may succeed: another program was at work on it, or the server does not answer, or no more.
+[[nodiscard]] SLAMDB_EXPORT bool IsWorthRetrying(const Error& error);
 
 }  // namespace slamdb

@@ -17,6 +17,9 @@ std::vector<StoredAtlas> ListAtlases(Connection& connection);  // by name
 std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& query, const Partition& partition = {});
 // Oldest first; empty name: everything.
 std::vector<HistoryEntry> ReadHistory(Connection& connection, const std::string& name);
+// Of one revision. Throws Error (kDamaged) when the log does not know it.
+HistoryEntry ReadHistoryOf(Connection& connection, std::int64_t atlas, std::int64_t number);
+std::vector<RevisionChain> ReadChains(Connection& connection, const ChainQuery& query);
 StoreStats ReadStatistics(Connection& connection);
 // How many bytes each kind of data of the newest revision takes.
 std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas, const Partition& partition);

@@ -16,6 +16,8 @@ class ServerError : public Error {
 
   // The SQLSTATE: five letters (PostgreSQL's documentation, appendix A). Empty: the server said nothing.
   const std::string& state() const { return state_; }
+  // No server answered at all.
+  bool is_unreachable() const { return kind() == ErrorKind::kNotFound && state_.empty(); }
 
  private:
   std::string state_;
@@ -32,7 +34,7 @@ ServerError ConnectionLost(const std::string& path, const std::string& place, st
 ServerError NoServer(const std::string& path, std::string_view message);
 
 // True when all that was done in the transaction was for nothing, and doing it again may succeed: others were at work
-// on the same rows, the server stops or starts, the connection was lost.
+// on the same rows, the server stops or starts, the connection was lost, or none could be made.
 bool IsWorthRetrying(const Error& error);
 
 }  // namespace slamdb::postgresql

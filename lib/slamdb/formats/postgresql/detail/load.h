@@ -13,4 +13,8 @@ namespace slamdb::postgresql {
 // Throws Error (kDamaged) naming the first row that differs from its hash.
 Atlas LoadAtlas(Connection& connection, const Named& named, const ReadOptions& options);
 
+// Loads all of a revision, as LoadAtlas does, by what an atlas that is at hand has of it: hashes of rows come first,
+// 24 bytes for each, and then the rows, features and pictures that `base` has not, some thousands in one statement.
+Atlas LoadOnto(Connection& connection, const Named& named, const Atlas& base, const ReadOptions& options);
+
 }  // namespace slamdb::postgresql

@@ -16,6 +16,8 @@ using rows::Named;
 
 // Throws Error: kNotFound naming the atlases or revisions that there are.
 Named Find(Connection& connection, std::string_view text);
+// By its number. Throws Error likewise.
+Named Find(Connection& connection, const RevisionName& revision);
 std::vector<std::string> NamesOf(Connection& connection);                          // ascending
 std::vector<std::string> NamesIn(Connection& connection, std::int64_t partition);  // of it alone, ascending
 bool Has(Connection& connection, const std::string& name);

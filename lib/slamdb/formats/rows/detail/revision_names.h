@@ -9,6 +9,7 @@
 
 #include "slamdb/base/error.h"
 #include "slamdb/formats/rows/revisions.h"
+#include "slamdb/formats/rows/stored.h"
 
 // What NAME@WHICH means, as far as that can be told without a store (revisions.h).
 namespace slamdb::rows {
@@ -68,6 +69,10 @@ void CheckIsNoRevision(const std::string& path, const std::string& name, const H
                 "'" + name + "' stands for a revision of '" + of +
                     "', which is not saved over: save it without the @, which makes the next one");
 }
+
+// The number of the revision that a save makes; `newest`: of the atlas, 0 where there is none. Throws Error (kUsage)
+// where it is to have one that is taken, or was.
+std::int64_t NextNumber(const std::string& path, const std::optional<Recorded>& recorded, std::int64_t newest);
 
 // Which of an atlas' revisions GiveUp leaves.
 struct KeptRevision {

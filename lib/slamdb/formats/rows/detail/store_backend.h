@@ -27,6 +27,8 @@ class StoreBackend {
   virtual std::vector<StoredAtlas> List() = 0;
   virtual std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched) = 0;
   virtual std::vector<HistoryEntry> Log(const std::string& name) = 0;
+  virtual HistoryEntry LogOf(const RevisionName& revision) = 0;
+  virtual std::vector<RevisionChain> Chains(const ChainQuery& query) = 0;
   virtual StoredPlaces PlacesLike(std::span<const std::span<const Descriptor>> pictures,
                                   const PlaceOptions& options) = 0;
   virtual bool Has(const std::string& name) = 0;
@@ -36,6 +38,7 @@ class StoreBackend {
   // The name may be that of an atlas, and of no revision.
   virtual SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options) = 0;
   virtual Atlas Load(const std::string& name, const ReadOptions& options) = 0;
+  virtual Atlas LoadOnto(const RevisionName& revision, const Atlas& base, const ReadOptions& options) = 0;
   virtual rows::Named FindNamed(const std::string& name) = 0;
   virtual RevisionName NameOf(const rows::Named& named) = 0;
   virtual std::optional<RevisionName> CommonBase(const std::string& first, const std::string& second) = 0;

@@ -59,15 +59,15 @@ class PartReader {
 // Keeps what a save is about to change.
 class PastWriter {
  public:
-  // `revision` is the one that is being made. The first of an atlas has no past: nothing is kept then. `carries`: what
-  // is saved has something in the table `carried`.
+  // `revision` is the one that is being made. A new atlas, whose row is 0, has no past: nothing is kept then.
+  // `carries`: what is saved has something in the table `carried`.
   PastWriter(Database& database, std::int64_t atlas, std::int64_t revision, bool carries);
 
   // Before rows of that part change. What was kept in this revision already stays.
   void Keep(Part part, std::int64_t row);
   // All that belongs to a map.
   void KeepMap(std::int64_t map);
-  bool keeps() const { return revision_ > 1; }
+  bool keeps() const { return atlas_ != 0; }
 
  private:
   Database& database_;

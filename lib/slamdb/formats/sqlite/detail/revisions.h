@@ -19,6 +19,11 @@ using rows::Named;
 // Throws Error: kNotFound naming the atlases or revisions that there are.
 Named Find(Database& database, std::string_view text);
 
+// By its number. Throws Error likewise.
+Named Find(Database& database, const RevisionName& revision);
+
+std::vector<RevisionChain> ReadChains(Database& database, const ChainQuery& query);
+
 std::vector<std::string> NamesOf(Database& database);  // of all atlases, ascending
 
 // Enters the newest revision of an atlas, which `history` tells of.

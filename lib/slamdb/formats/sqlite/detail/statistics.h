@@ -9,6 +9,8 @@
 namespace slamdb::sqlite {
 
 std::vector<HistoryEntry> ReadHistory(Database& database, const std::string& name);
+// Of one revision. Throws Error (kDamaged) when the log does not know it.
+HistoryEntry ReadHistoryOf(Database& database, std::int64_t atlas, std::int64_t number);
 StoreStats ReadStatistics(Database& database);
 
 // Bytes of one atlas' rows by kind of data.
