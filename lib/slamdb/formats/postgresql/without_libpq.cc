@@ -22,6 +22,7 @@ std::int64_t Result::changed() const { return 0; }
 
 void Connection::Finish::operator()(pg_conn*) const {}
 Connection::Connection(const std::string& uri, const ConnectionOptions&) : path_(detail::WithoutPassword(uri)) {
+  if (!detail::IsServer(uri)) throw Error(ErrorKind::kUsage, path_, "", "is no server: postgresql://host/database is");
   Refuse(path_);
 }
 bool Connection::is_lost() const { return true; }

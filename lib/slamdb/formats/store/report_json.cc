@@ -88,7 +88,6 @@ std::string ToJson(const StoreStats& stats, const std::string& input) {
 
 std::string ToJson(const Fleet& fleet, const std::string& input) {
   Json json = detail::ReportHead("fleet", input);
-  json["ok"] = fleet.ok();
   json["partitions"] = Json::array();
   for (const FleetPartition& each : fleet.partitions)
     json["partitions"].push_back({{"partition", each.number},
