@@ -52,3 +52,9 @@ if(SLAMDB_BUILD_LIVE)
 endif()
 
 include(cmake/Package.cmake)
+
+# What the owner of a store on a server runs once: docs/postgresql.md.
+if(SLAMDB_POSTGRESQL)
+  install(FILES schema/postgresql/roles.sql schema/postgresql/row_level_security.sql
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/slamdb/postgresql COMPONENT command)
+endif()

@@ -18,7 +18,10 @@ CREATE TABLE store (
 );
 COMMENT ON TABLE store IS 'The store itself: one row.';
 
-CREATE TYPE span AS RANGE (SUBTYPE = double precision, SUBTYPE_DIFF = float8mi);
+-- Differences tell an index only which ranges lie close to each other; those of a quarter are within what a number holds.
+CREATE FUNCTION quarter_difference(a double precision, b double precision) RETURNS double precision
+  LANGUAGE sql IMMUTABLE STRICT AS $$ SELECT a / 4 - b / 4 $$;
+CREATE TYPE span AS RANGE (SUBTYPE = double precision, SUBTYPE_DIFF = quarter_difference);
 
 CREATE TABLE atlas (
   row bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
@@ -54,6 +57,7 @@ CREATE TABLE history (
   inserted bigint, updated bigint, deleted bigint, unchanged bigint,  -- rows
   hash bigint,                                -- of the atlas
   who text NOT NULL,                          -- user@host
+  project text NOT NULL DEFAULT '',           -- of the atlas
   revision integer,                           -- that it made
   xid bigint NOT NULL DEFAULT (pg_current_xact_id()::text::numeric % 4294967296)::bigint,  -- of the transaction: rows with another xmin were edited
   keyframes_added bigint, keyframes_removed bigint, keyframes_moved bigint,

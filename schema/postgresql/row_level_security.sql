@@ -5,16 +5,18 @@
 -- of no project are everybody's. An atlas is made in the project that its writer's `slamdb.project` names, as with
 -- PGOPTIONS='-c slamdb.project=warehouse' or ALTER ROLE alice SET slamdb.project = 'warehouse'.
 -- The owner of the tables, superusers and roles with BYPASSRLS see all.
--- Names of atlases are one for all projects: that a name is taken is not hidden.
-SET search_path TO slamdb;
+-- Names of atlases are one for all projects: that a name is taken is not hidden. Who saves needs the right to make
+-- temporary tables (GRANT TEMPORARY ON DATABASE), which everybody has by default.
+SET search_path TO slamdb, pg_temp;
 
-CREATE OR REPLACE FUNCTION is_member(project text) RETURNS boolean LANGUAGE sql STABLE AS $$
-  SELECT project = '' OR EXISTS (SELECT 1 FROM pg_roles WHERE rolname = project AND pg_has_role(current_user, oid, 'MEMBER'))
+-- Names in full, as anybody can make temporary tables of any name.
+CREATE OR REPLACE FUNCTION is_member(project text) RETURNS boolean LANGUAGE sql STABLE SET search_path = pg_catalog, pg_temp AS $$
+  SELECT project = '' OR EXISTS (SELECT 1 FROM pg_catalog.pg_roles WHERE rolname = project AND pg_catalog.pg_has_role(current_user, oid, 'MEMBER'))
 $$;
 
 ALTER TABLE atlas ENABLE ROW LEVEL SECURITY;
 DROP POLICY IF EXISTS by_project ON atlas;
-CREATE POLICY by_project ON atlas USING (is_member(project)) WITH CHECK (is_member(project));
+CREATE POLICY by_project ON atlas USING (slamdb.is_member(project)) WITH CHECK (slamdb.is_member(project));
 
 DO $$
 DECLARE
@@ -24,7 +26,7 @@ BEGIN
                               'picture', 'keyframe_words', 'map_point', 'landmark'] LOOP
     EXECUTE format('ALTER TABLE %I ENABLE ROW LEVEL SECURITY', each);
     EXECUTE format('DROP POLICY IF EXISTS by_project ON %I', each);
-    EXECUTE format('CREATE POLICY by_project ON %I USING (atlas IN (SELECT row FROM atlas))', each);
+    EXECUTE format('CREATE POLICY by_project ON %I USING (atlas IN (SELECT row FROM slamdb.atlas))', each);
   END LOOP;
   -- Partitions are tables of their own, which nobody needs to name: rights are those of the table that they are of.
   FOR each IN SELECT inhrelid::regclass::text FROM pg_inherits JOIN pg_class ON pg_class.oid = inhrelid
@@ -36,7 +38,7 @@ END $$;
 ALTER TABLE history ENABLE ROW LEVEL SECURITY;
 DROP POLICY IF EXISTS by_project ON history;
 DROP POLICY IF EXISTS entered ON history;
-CREATE POLICY by_project ON history FOR SELECT USING (atlas IS NULL OR atlas IN (SELECT name FROM slamdb.atlas));
+CREATE POLICY by_project ON history FOR SELECT USING (slamdb.is_member(project));
 CREATE POLICY entered ON history FOR INSERT WITH CHECK (true);
 
 -- Views show what who looks may see, not what their owner may (PostgreSQL 15).

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/store/store.h"
 #include "slamdb/model/digest.h"
 #include "tests/formats/store/atlases.h"
@@ -166,6 +167,58 @@ TEST_F(StoreOnServer, RowsThatSomebodyEditedAreSeenAndWrittenAnew) {
   }
 }
 
+// Its row tells lists of an atlas; what is the newest tell the revisions.
+TEST_F(StoreOnServer, AnEditedRowOfTheAtlasMisleadsNeitherLoadsNorSaves) {
+  Store::OpenForWriting(uri_).Save("a", second_);
+  for (const char* edit : {"UPDATE slamdb.atlas SET revision = 1", "UPDATE slamdb.atlas SET revision = 2147483647",
+                           "UPDATE slamdb.atlas SET hash = (SELECT hash FROM slamdb.revision WHERE number = 1)"}) {
+    Sql(edit);
+    EXPECT_EQ(Store::Open(uri_).List()[0].problem, "another revision than the newest") << edit;
+    EXPECT_EQ(FirstDifference(Store::Open(uri_).Load("a"), second_), "") << edit;
+    const std::uint64_t before = Store::Open(uri_).FindRevision("a").number;
+    EXPECT_EQ(Store::OpenForWriting(uri_).Save("a", first_).revision, before + 1) << edit;
+    ExpectFirst();
+    EXPECT_EQ(Store::OpenForWriting(uri_).Save("a", second_).revision, before + 2) << edit;
+    EXPECT_EQ(Store::Open(uri_).List()[0].problem, "");
+  }
+}
+
+TEST_F(StoreOnServer, RowsThatTheDatabaseKeepsOutAreAnError) {
+  for (const char* table : {"map_point", "keyframe", "map", "revision", "atlas", "keyframe_features"}) {
+    Sql(detail::Concat(
+        "CREATE FUNCTION slamdb.nothing() RETURNS trigger LANGUAGE plpgsql AS 'BEGIN RETURN NULL; END'"));
+    ASSERT_THAT(Sql(detail::Concat("CREATE TRIGGER nothing BEFORE INSERT OR UPDATE ON slamdb.", table,
+                                   " FOR EACH ROW EXECUTE FUNCTION slamdb.nothing()")),
+                Not(HasSubstr("ERROR")));
+    EXPECT_THAT(ErrorOf([&] { Store::OpenForWriting(uri_).Save("a", second_); }), HasSubstr("a trigger, a rule"))
+        << table;
+    Sql("DROP FUNCTION slamdb.nothing CASCADE");
+    ExpectFirst();
+  }
+}
+
+// As through PgBouncer, where what another client made stays in the session.
+TEST_F(StoreOnServer, TemporaryTablesOfOthersHideNothing) {
+  postgresql::Connection connection(uri_);
+  connection.Execute("CREATE TEMPORARY TABLE atlas AS SELECT * FROM slamdb.atlas WHERE false");
+  const postgresql::Transaction transaction(connection, postgresql::Transaction::Kind::kRead);
+  EXPECT_EQ(connection.Integer("SELECT count(*) FROM atlas"), 1);
+}
+
+TEST_F(StoreOnServer, ATagThatIsSetWhileRevisionsAreGivenUpWaitsForThem) {
+  Store store = Store::OpenForWriting(uri_);
+  store.Save("a", second_);
+  SaveOptions options;
+  options.before_commit = [&] {
+    EXPECT_THAT(ErrorOf([&] { Store::OpenForWriting(uri_, {.lock_timeout = 0.05}).Tag("a@1", "kept"); }),
+                HasSubstr("'a' is locked by"));
+  };
+  store.Save("a", first_, options);
+  store.Tag("a@1", "kept");
+  store.GiveUp({.keep = 1});
+  EXPECT_EQ(FirstDifference(store.Load("a@kept"), first_), "");
+}
+
 TEST_F(StoreOnServer, ASaveThatVerifiesTakesWhatSavesHaveWrittenForWhole) {
   EXPECT_TRUE(Store::OpenForWriting(uri_).Save("a", first_, {.verify = true}).unchanged);
   EXPECT_EQ(Store::OpenForWriting(uri_).Save("a", second_, {.verify = true}).revision, 2U);
@@ -188,8 +241,7 @@ TEST_F(StoreOnServer, GivingUpWaitsForOneAtlasAtATimeAsLongAsItIsTold) {
   SaveOptions options;
   options.before_commit = [&] {
     EXPECT_EQ(Store::OpenForWriting(uri_).GiveUp({.keep = 1, .dry_run = true}).atlases.size(), 2U);  // waits for nobody
-    const std::string error =
-        ErrorOf([&] { Store::OpenForWriting(uri_, {.lock_timeout = 0.05}).GiveUp({.keep = 1}); });
+    const std::string error = ErrorOf([&] { Store::OpenForWriting(uri_, {.lock_timeout = 0.05}).GiveUp({.keep = 1}); });
     EXPECT_THAT(error, HasSubstr("'b' is locked by"));
   };
   store.Save("b", first_, options);
@@ -284,6 +336,12 @@ TEST_F(StoreRoles, RowLevelSecurityShowsEachItsProjects) {
         << view;
   EXPECT_THAT(SqlOn(UriOf("elsewhere"), "SELECT count(*) FROM slamdb.keyframe_0"), HasSubstr("permission denied"));
   EXPECT_THAT(ErrorOf([&] { elsewhere.Save("secret", first_); }), HasSubstr("of a project that you do not see"));
+  // A name of the catalogue means the catalogue, whatever tables somebody makes.
+  EXPECT_EQ(SqlOn(UriOf("elsewhere"),
+                  "CREATE TEMPORARY TABLE pg_roles (rolname text, oid oid); INSERT INTO pg_roles VALUES ('warehouse', "
+                  "'elsewhere'::regrole); SELECT count(*) FROM slamdb.keyframe WHERE atlas = " +
+                      other_rows),
+            "0");
   ASSERT_EQ(Run("roles.sql"), "");  // in any order
   ASSERT_EQ(Run("row_level_security.sql"), "");
   ASSERT_EQ(Run("roles.sql"), "");

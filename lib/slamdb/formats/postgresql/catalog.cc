@@ -170,10 +170,16 @@ std::vector<StoredAtlas> ListAtlases(Connection& connection) {
   std::vector<StoredAtlas> atlases;
   connection.CopyOut(
       Concat(
-          "SELECT name, maps, keyframes, points, observations, revision, hash, landmarks, bytes, ",
+          "SELECT name, maps, keyframes, points, observations, coalesce(number, 0), coalesce(newest.hash, 0), "
+          "landmarks, "
+          "bytes, ",
           TextOfTime("saved_at"),
-          ", sensors, has_imu, is_metric, trajectory_length, duration, begin_time, end_time FROM atlas ORDER BY name "
-          "COLLATE \"C\""),
+          ", sensors, has_imu, is_metric, trajectory_length, duration, begin_time, end_time, atlas.revision IS "
+          "DISTINCT "
+          "FROM number OR atlas.hash IS DISTINCT FROM newest.hash FROM atlas LEFT JOIN LATERAL (SELECT number, hash "
+          "FROM "
+          "revision WHERE revision.atlas = row ORDER BY number DESC LIMIT 1) AS newest ON true ORDER BY name COLLATE "
+          "\"C\""),
       [&](const Row& row) {
         StoredAtlas& atlas = atlases.emplace_back();
         std::size_t column = 0;
@@ -189,7 +195,7 @@ std::vector<StoredAtlas> ListAtlases(Connection& connection) {
         atlas.duration = row.Real(column++);
         atlas.begin_time = RealOrNone(row, column++);
         atlas.end_time = RealOrNone(row, column++);
-        atlas.problem = rows::ProblemOf(atlas);
+        atlas.problem = row.Integer(column) != 0 ? "another revision than the newest" : rows::ProblemOf(atlas);
       },
       "table atlas");
   return atlases;

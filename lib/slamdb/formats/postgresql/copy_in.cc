@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/postgresql/detail/handles.h"
 
 namespace slamdb::postgresql {
@@ -74,12 +75,17 @@ std::int64_t CopyIn::Finish() {
     throw error;
   }
   Drain(connection_.handle());
+  std::int64_t taken = ChangedRows(result.get());
   if (is_staged_) {
     const std::string columns = WithoutParentheses(ColumnsOf(target_));
-    connection_.Query("INSERT INTO " + target_ + " SELECT " + columns + " FROM staged", {}, place_);
+    taken = connection_.Query("INSERT INTO " + target_ + " SELECT " + columns + " FROM staged", {}, place_).changed();
     connection_.Execute("DROP TABLE staged");
   }
-  return ChangedRows(result.get());
+  if (taken != encoder_.rows())
+    throw Error(ErrorKind::kNotPossible, connection_.path(), place_,
+                detail::Concat("took ", taken, " of ", encoder_.rows(),
+                               " rows: a trigger, a rule or a policy of the database keeps the others out"));
+  return taken;
 }
 
 }  // namespace slamdb::postgresql

@@ -15,7 +15,10 @@ namespace {
 using detail::Concat;
 
 std::optional<Named> FindNewest(Connection& connection, std::string_view name) {
-  const Result found = connection.Query("SELECT row, revision FROM atlas WHERE name = $1", {name}, "table atlas");
+  // By the revisions themselves: what the row of the atlas says is for lists.
+  const Result found = connection.Query(
+      "SELECT row, (SELECT max(number) FROM revision WHERE revision.atlas = row) FROM atlas WHERE name = $1", {name},
+      "table atlas");
   if (found.rows() == 0) return std::nullopt;
   const std::int64_t newest = found[0].Integer(1);
   return Named{found[0].Integer(0), std::string(name), newest, newest};

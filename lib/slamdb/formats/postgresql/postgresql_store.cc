@@ -217,6 +217,14 @@ class PostgresqlStore : public detail::StoreBackend {
   }
 
  private:
+  RevisionName NewestNameOf(const std::string& name) {
+    return postgresql::NameOf(connection_, postgresql::Find(connection_, name));
+  }
+  // That what the atlas `name` is made of is there, and stays until that is saved.
+  void HoldSource(const std::string& name, const RevisionName& source) {
+    if (source.atlas != name) LockAtlas(connection_, source.atlas, lock_options());
+    postgresql::Find(connection_, source.ToString());
+  }
   // Of the atlas that NAME or NAME@WHICH stands for.
   std::string NameAlone(const std::string& name) { return postgresql::Find(connection_, name).name; }
   LockOptions lock_options() const { return {options_.lock_timeout, options_.progress}; }
@@ -273,13 +281,13 @@ SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, co
   LockAtlas(connection_, name, lock_options());
   if (!options.recorded)
     rows::CheckIsNoRevision(path(), name, [&](const std::string& each) { return postgresql::Has(connection_, each); });
-  const Result found = connection_.Query("SELECT revision, hash FROM atlas WHERE name = $1", {name}, "table atlas");
-  const bool is_there = found.rows() > 0;
-  if (options.keep_equal && is_there && found[0].Integer(1) == hashes.Combined())
+  const bool is_there = postgresql::Has(connection_, name);
+  if (options.keep_equal && is_there && NewestNameOf(name).hash == static_cast<std::uint64_t>(hashes.Combined()))
     return {.hash = static_cast<std::uint64_t>(hashes.Combined()), .unchanged = true};
   if (!options.overwrite && is_there)
     throw Error(ErrorKind::kAlreadyExists, path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
+  if (options.from && !options.recorded) HoldSource(name, *options.from);
   if (options.onto) {
     const std::uint64_t newest = static_cast<std::uint64_t>(postgresql::Find(connection_, name).newest);
     if (newest != *options.onto)
@@ -331,8 +339,8 @@ void PostgresqlStore::Remove(const std::string& name) {
     const std::int64_t deleted = partition.is_remote ? CountRows(connection_, atlas) : DeleteRows(connection_, atlas);
     connection_.Query(
         "INSERT INTO history (at, tool, action, atlas, provenance, maps, keyframes, points, observations, hash, "
-        "inserted, updated, deleted, unchanged, who) SELECT now(), $2, 'remove', name, '', maps, keyframes, points, "
-        "observations, hash, 0, 0, $3, 0, $4 FROM atlas WHERE row = $1",
+        "inserted, updated, deleted, unchanged, who, project) SELECT now(), $2, 'remove', name, '', maps, keyframes, "
+        "points, observations, hash, 0, 0, $3, 0, $4, project FROM atlas WHERE row = $1",
         {atlas, rows::ToolName(), deleted, rows::Who()}, "table history");
     connection_.Query("DELETE FROM atlas WHERE row = $1", {atlas}, "table atlas");  // and its revisions and tags
   });

@@ -87,15 +87,20 @@ void SaveAtlasRow(SaveContext& context, const std::string& name, std::int64_t ha
     parameters.emplace_back(name);
     const Result made = context.connection.Query(
         Concat("INSERT INTO atlas (", kSummaryColumns, ", revision, name, saved_at, bytes) VALUES (", numbers, ", ",
-               revision, ", ", key, ", ", at, ", 0) RETURNING row"),
+               revision, ", ", key, ", ", at, ", 0) ON CONFLICT (name) DO NOTHING RETURNING row"),
         parameters, "table atlas");
+    if (made.rows() == 0)
+      throw Error(ErrorKind::kAlreadyExists, context.connection.path(), "",
+                  Concat("holds an atlas named '", name, "' of a project that you do not see: take another name"));
     context.atlas = made[0].Integer(0);
     return;
   }
   parameters.emplace_back(context.atlas);
-  context.connection.Query(Concat("UPDATE atlas SET (", kSummaryColumns, ", revision, saved_at) = (", numbers, ", ",
-                                  revision, ", ", at, ") WHERE row = ", key),
-                           parameters, "table atlas");
+  const Result updated =
+      context.connection.Query(Concat("UPDATE atlas SET (", kSummaryColumns, ", revision, saved_at) = (", numbers, ", ",
+                                      revision, ", ", at, ") WHERE row = ", key),
+                               parameters, "table atlas");
+  RequireTaken(context.connection, "atlas", updated.changed(), 1);
 }
 
 void SaveBytes(SaveContext& context) {
@@ -370,12 +375,12 @@ std::int64_t Record(SaveContext& context, const std::string& name, const AtlasSu
       "INSERT INTO history (at, action, tool, atlas, provenance, who, hash, maps, keyframes, points, observations, "
       "inserted, updated, deleted, unchanged, revision, keyframes_added, keyframes_removed, keyframes_moved, "
       "points_added, "
-      "points_removed, points_moved, observations_added, observations_removed) VALUES "
+      "points_removed, points_moved, observations_added, observations_removed, project) VALUES "
       "(coalesce($23::text::timestamptz, now()), 'save', $1, $2, $3, $4, "
       "$5, "
       "$6, $7, $8, $9, $10, $11, $12, $13, $14::integer, $15::bigint, $16::bigint, $17::bigint, $18::bigint, "
       "$19::bigint, "
-      "$20::bigint, $21::bigint, $22::bigint) RETURNING row",
+      "$20::bigint, $21::bigint, $22::bigint, (SELECT project FROM atlas WHERE name = $2)) RETURNING row",
       parameters, "table history");
   return made[0].Integer(0);
 }
@@ -436,6 +441,14 @@ void SaveContext::Report(std::size_t done) {
     options.progress("saving", std::min(1.0, static_cast<double>(entities_done) / static_cast<double>(entities)));
 }
 
+void RequireTaken(Connection& connection, std::string_view table, std::int64_t taken, std::int64_t wanted) {
+  if (taken == wanted) return;
+  throw Error(ErrorKind::kNotPossible, connection.path(), Concat("table ", table),
+              Concat("took ", taken, " of ", wanted,
+                     " rows: a trigger, a rule or a policy of the database keeps the others "
+                     "out; nothing was saved"));
+}
+
 void InsertRow(Connection& connection, std::string_view columns, std::span<const Value> values) {
   std::vector<Parameter> parameters;
   std::string numbers;
@@ -443,13 +456,19 @@ void InsertRow(Connection& connection, std::string_view columns, std::span<const
     parameters.push_back(ParameterOf(value));
     numbers += Concat(numbers.empty() ? "$" : ", $", parameters.size());
   }
-  connection.Query(Concat("INSERT INTO ", columns, " VALUES (", numbers, ")"), parameters,
-                   Concat("table ", columns.substr(0, columns.find(' '))));
+  const std::string_view table = columns.substr(0, columns.find(' '));
+  const Result made =
+      connection.Query(Concat("INSERT INTO ", columns, " VALUES (", numbers, ")"), parameters, Concat("table ", table));
+  RequireTaken(connection, table, made.changed(), 1);
 }
 
 SaveReport SaveAtlas(Connection& connection, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
                      const SaveOptions& options, const LockOptions& lock, bool rewrite) {
-  const Result found = connection.Query("SELECT row, revision, hash FROM atlas WHERE name = $1", {name}, "table atlas");
+  const Result found = connection.Query(
+      "SELECT row, coalesce(number, 0), revision.hash FROM atlas LEFT JOIN revision ON revision.atlas = row WHERE name "
+      "= $1 "
+      "ORDER BY number DESC LIMIT 1",
+      {name}, "table atlas");
   const std::int64_t hash = hashes.Combined();
   SaveContext context{.connection = connection, .options = options};
   context.is_new = found.rows() == 0;

@@ -515,9 +515,13 @@ std::vector<StoredLists> ReadStoredLists(SaveContext& context, const std::vector
 void EndRows(SaveContext& context, std::string_view table, const std::vector<std::int64_t>& rows) {
   if (rows.empty()) return;
   const auto versioned = std::ranges::find(VersionedTables(), table, &Versioned::table);
-  context.connection.Query(Concat("UPDATE ", table, " SET until = $2 WHERE atlas = $1 AND until = 2147483647 AND ",
-                                  versioned->key, " = ANY ($3)"),
-                           {context.atlas, context.revision, std::span(rows)}, Concat("table ", table));
+  const Result ended =
+      context.connection.Query(Concat("UPDATE ", table, " SET until = $2 WHERE atlas = $1 AND until = 2147483647 AND ",
+                                      versioned->key, " = ANY ($3)"),
+                               {context.atlas, context.revision, std::span(rows)}, Concat("table ", table));
+  // Features of a keyframe may be missing, which is why it gets new ones.
+  if (table != "keyframe_features")
+    RequireTaken(context.connection, table, ended.changed(), static_cast<std::int64_t>(rows.size()));
 }
 
 namespace {

@@ -48,7 +48,7 @@ class CopyIn {
     SendIfMuch();
   }
 
-  // To be called after the last row. Gives how many the server has taken.
+  // To be called after the last row. Gives how many the server has taken: all, or it throws.
   std::int64_t Finish();
 
  private:

@@ -77,6 +77,9 @@ std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSa
 // What the keyframes look like alone.
 void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps);
 
+// Throws Error when a table has not taken all rows that it was given, as where a trigger keeps some out.
+void RequireTaken(Connection& connection, std::string_view table, std::int64_t taken, std::int64_t wanted);
+
 // A row of few, by INSERT. `columns`: `map (row, atlas)`.
 void InsertRow(Connection& connection, std::string_view columns, std::span<const rows::Value> values);
 
