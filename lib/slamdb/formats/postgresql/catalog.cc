@@ -296,6 +296,15 @@ bool IsAsSaved(Connection& connection, const Named& named) {
       "(SELECT 1 FROM keyframe_features AS features WHERE atlas = $1 AND until = 2147483647 AND NOT EXISTS (SELECT 1 "
       "FROM "
       "picture WHERE picture.atlas = $1 AND picture.hash = features.picture))";
+  // And none is gone.
+  const auto count = [](std::string_view table) {
+    return Concat("(SELECT count(*) FROM ", table, " WHERE atlas = $1 AND until = 2147483647)");
+  };
+  edited += Concat(
+      " OR ", count("keyframe"), " <> ", count("keyframe_features"),
+      " OR EXISTS (SELECT 1 FROM history WHERE row = (SELECT history FROM revision WHERE atlas = $1 ORDER BY "
+      "number DESC LIMIT 1) AND (history.maps <> ",
+      count("map"), " OR history.keyframes <> ", count("keyframe"), " OR history.points <> ", count("map_point"), "))");
   return connection.Integer(Concat("WITH saves AS MATERIALIZED (SELECT xid FROM history WHERE atlas = $2) SELECT (",
                                    edited, ")::integer"),
                             {named.atlas, named.name}) == 0;

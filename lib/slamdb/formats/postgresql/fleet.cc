@@ -185,7 +185,7 @@ std::uint64_t RepairPartition(Connection& store, std::int64_t partition, const F
   for (const std::string& name : names) {
     if (options.progress) options.progress("looking at " + name, 0);
     Transaction transaction(store, Transaction::Kind::kWrite);
-    const GivenUpRows deleted = DeleteGivenUp(store, name);
+    const GivenUpRows deleted = DeleteGivenUp(store, name, {options.lock_timeout, options.progress});
     rows += deleted.rows + deleted.pictures;
     transaction.Commit();
   }

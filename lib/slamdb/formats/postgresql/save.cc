@@ -308,7 +308,10 @@ void WriteMapRow(SaveContext& context, std::int64_t number, std::size_t position
 void SaveMapRows(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes,
                  const std::vector<rows::StoredMap>& stored, const std::vector<std::int64_t>& numbers,
                  const std::vector<ListPlans>& plans) {
-  EndRows(context, "map", numbers);
+  std::vector<std::int64_t> ended;
+  for (const rows::StoredMap& map : stored)
+    if (map.row != 0) ended.push_back(map.row);
+  EndRows(context, "map", ended);
   for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
     const bool same = stored[i].row != 0 && stored[i].hash == hashes.maps[i].header &&
                       stored[i].position == static_cast<std::int64_t>(i);
