@@ -391,7 +391,7 @@ TEST_P(StoreContract, AnAtlasThatMovesKeepsItsHashAndItsBytes) {
 }
 
 TEST_P(StoreContract, RefusesWhatAReaderMayNotDoAndWhatMeansNothing) {
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), ::testing::AnyOf(HasSubstr("No such file"), HasSubstr("holds no store yet")));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), ::testing::AnyOf(HasSubstr("no such file"), HasSubstr("holds no store yet")));
   Save(SoundAtlas());
   Store reader = Store::Open(path_);
   EXPECT_THAT(ErrorOf([&] { reader.Save("b", Atlas{}); }), HasSubstr("opened for reading"));
