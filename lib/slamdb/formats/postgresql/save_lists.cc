@@ -15,7 +15,6 @@
 #include "slamdb/formats/rows/detail/features_blob.h"
 #include "slamdb/formats/rows/detail/keyframe_row.h"
 #include "slamdb/formats/rows/detail/landmark_row.h"
-#include "slamdb/formats/rows/detail/place_words.h"
 #include "slamdb/formats/rows/detail/point_row.h"
 #include "slamdb/model/detail/record.h"
 
@@ -81,10 +80,6 @@ void PutCarried(CopyIn& copy, const Boxed<Carried>& carried, detail::ByteWriter&
   bytes.Clear();
   detail::EncodeCarried(carried, bytes);
   copy.Put(bytes.bytes());
-}
-
-CopyIn::Way WayOf(const SaveContext& context) {
-  return context.partition.is_remote ? CopyIn::Way::kInBatches : CopyIn::Way::kStraight;
 }
 
 // Which entries of a list a save writes: (index of the map, index in the list).
@@ -162,7 +157,7 @@ void CountMoved(SaveContext& context, const std::vector<MapToSave>& maps, const 
 void WriteKeyframes(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
                     const Places& changed) {
   if (changed.empty()) return;
-  CopyIn copy(context.connection, KeyframeTable().target, KeyframeTable().types, WayOf(context));
+  CopyIn copy(context.connection, KeyframeTable().target, KeyframeTable().types, context.way());
   rows::KeyframeRow columns;
   detail::ByteWriter carried;
   std::vector<std::int64_t> ids;
@@ -236,7 +231,7 @@ std::vector<Uuid> WritePictures(SaveContext& context, const std::vector<MapToSav
   std::set<Uuid> stored = StoredPictures(context);
   // Those of earlier revisions that are not what their hash says, too, are as they were again where this one has them.
   if (context.rewrites) RemovePictures(context, maps, changed);
-  CopyIn copy(context.connection, PictureTable().target, PictureTable().types, WayOf(context));
+  CopyIn copy(context.connection, PictureTable().target, PictureTable().types, context.way());
   const auto pack = [&](std::size_t n, std::string& bytes) {
     detail::ByteWriter out(std::move(bytes));
     rows::EncodePicture(maps[changed[n].first].map.keyframes[changed[n].second], out);
@@ -261,7 +256,7 @@ void WriteFeatures(SaveContext& context, const std::vector<MapToSave>& maps, con
                    const Places& changed) {
   if (changed.empty()) return;
   const std::vector<Uuid> pictures = WritePictures(context, maps, changed);
-  CopyIn copy(context.connection, FeaturesTable().target, FeaturesTable().types, WayOf(context));
+  CopyIn copy(context.connection, FeaturesTable().target, FeaturesTable().types, context.way());
   detail::ByteWriter points;
   for (std::size_t n = 0; n < changed.size(); ++n) {
     const auto& [i, k] = changed[n];
@@ -274,37 +269,6 @@ void WriteFeatures(SaveContext& context, const std::vector<MapToSave>& maps, con
   copy.Finish();
 }
 
-// What the keyframes look like: of the newest revision alone.
-void WriteWords(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans) {
-  std::unordered_map<std::int64_t, std::int64_t> stored;  // row to hash
-  if (!context.is_new)
-    context.connection.CopyOut(
-        Concat("SELECT keyframe, hash FROM keyframe_words WHERE atlas = ", context.atlas),
-        [&](const Row& row) { stored[row.Integer(0)] = row.Integer(1); }, "table keyframe_words");
-  std::vector<std::int64_t> old;
-  std::vector<std::vector<std::size_t>> changed(maps.size());
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    for (std::size_t k = 0; k < plans[i].keyframes.entries.size(); ++k) {
-      const auto found = stored.find(plans[i].keyframes.entries[k].row);
-      const bool same = found != stored.end() && found->second == maps[i].hashes.features[k];
-      if (!same) changed[i].push_back(k);
-      if (same) stored.erase(found);
-    }
-  }
-  for (const auto& [row, hash] : stored) old.push_back(row);
-  if (!old.empty())
-    context.connection.Query("DELETE FROM keyframe_words WHERE atlas = $1 AND keyframe = ANY ($2)",
-                             {context.atlas, std::span<const std::int64_t>(old)}, "table keyframe_words");
-  CopyIn copy(context.connection, WordsTable().target, WordsTable().types, WayOf(context));
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    const std::vector<rows::PlaceWords> words = rows::PlaceWordsOf(maps[i].map, changed[i], context.options.threads);
-    for (std::size_t n = 0; n < words.size(); ++n)
-      copy.Add(std::array<Value, 4>{context.atlas, plans[i].keyframes.entries[changed[i][n]].row,
-                                    maps[i].hashes.features[changed[i][n]], std::as_bytes(std::span(words[n]))});
-  }
-  copy.Finish();
-}
-
 void SaveKeyframes(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans) {
   const KeyframePlaces places = FindChanged(context, maps, plans);
   CountMoved(context, maps, plans, places.rows);
@@ -312,7 +276,7 @@ void SaveKeyframes(SaveContext& context, const std::vector<MapToSave>& maps, con
   EndRows(context, "keyframe_features", places.ended_features);
   WriteKeyframes(context, maps, plans, places.rows);
   WriteFeatures(context, maps, plans, places.features);
-  WriteWords(context, maps, plans);
+  SaveWords(context, maps, plans);
 }
 
 // ---- points
@@ -382,7 +346,7 @@ void CountPointChanges(SaveContext& context, const std::vector<MapToSave>& maps,
 void WritePoints(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
                  const Places& changed) {
   if (changed.empty()) return;
-  CopyIn copy(context.connection, PointTable().target, PointTable().types, WayOf(context));
+  CopyIn copy(context.connection, PointTable().target, PointTable().types, context.way());
   rows::PointRow columns;
   detail::ByteWriter carried;
   std::vector<std::int64_t> seen_by;
@@ -461,7 +425,7 @@ void SaveLandmarks(SaveContext& context, const std::vector<MapToSave>& maps, con
   }
   EndRows(context, "landmark", ended);
   if (changed.empty()) return;
-  CopyIn copy(context.connection, LandmarkTable().target, LandmarkTable().types, WayOf(context));
+  CopyIn copy(context.connection, LandmarkTable().target, LandmarkTable().types, context.way());
   rows::LandmarkRow columns;
   for (const auto& [i, k] : changed) {
     const ListPlan::Entry& entry = plans[i].landmarks.entries[k];
@@ -544,6 +508,8 @@ std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSa
   return plans;
 }
 
-void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps) { WriteWords(context, maps, PlansOf(maps)); }
+void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps) {
+  SaveWords(context, maps, PlansOf(maps), true);
+}
 
 }  // namespace slamdb::postgresql

@@ -36,6 +36,7 @@ struct SaveContext {
   std::size_t entities = 0, entities_done = 0;
 
   void Report(std::size_t done);  // progress; throws what the callback throws
+  CopyIn::Way way() const { return partition.is_remote ? CopyIn::Way::kInBatches : CopyIn::Way::kStraight; }
 };
 
 // Saves everything under `name`. `hashes` is detail::HashesOf(atlas); `rewrite`: whatever hashes the rows have.
@@ -74,7 +75,12 @@ struct ListPlans {
 };
 // Saves the lists of all maps, one table after the other. Returns their plans.
 std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSave>& maps);
-// What the keyframes look like alone.
+// What the keyframes look like, of the newest revision alone: it is in no hash, and other programs may delete it.
+// (save_places.cc)
+void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
+               bool all_places = false);
+bool HasAllWords(SaveContext& context, const Atlas& atlas);
+// That alone, of an atlas that is there as it is.
 void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps);
 
 // Throws Error when a table has not taken all rows that it was given, as where a trigger keeps some out.
