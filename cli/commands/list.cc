@@ -2,11 +2,9 @@
 #include "slamdb/many/list.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <utility>
 
 #include "cli/batch.h"
 #include "cli/byte_size.h"
@@ -135,37 +133,26 @@ void BindQuery(CLI::App& verb, ListVerbOptions& options) {
   AddIdRange(verb, options.keyframes, "Maps that have a keyframe of these ids")->group(kGroup);
 }
 
-using Number = AtlasQuery::Number;
-constexpr std::array<std::pair<ListKey, Number>, 9> kNumbers = {{{ListKey::kMaps, Number::kMaps},
-                                                                 {ListKey::kKeyframes, Number::kKeyframes},
-                                                                 {ListKey::kPoints, Number::kPoints},
-                                                                 {ListKey::kObservations, Number::kObservations},
-                                                                 {ListKey::kLandmarks, Number::kLandmarks},
-                                                                 {ListKey::kLength, Number::kLength},
-                                                                 {ListKey::kSpan, Number::kDuration},
-                                                                 {ListKey::kSize, Number::kBytes},
-                                                                 {ListKey::kRevision, Number::kRevision}}};
-
 std::string NumberWords() {
   std::string words;
-  for (const auto& [key, number] : kNumbers) words.append(words.empty() ? "" : ", ").append(NameOf(key));
+  for (const ListKey key : ListKeys())
+    if (NumberOf(key)) words.append(words.empty() ? "" : ", ").append(NameOf(key));
   return words;
 }
 
 // `keyframes=100:`, `size=:20MB`.
 std::optional<AtlasQuery::Range> ParseWhere(std::string_view text) {
   const std::size_t equals = std::min(text.find('='), text.size());
-  const auto named =
-      std::ranges::find_if(kNumbers, [&](const auto& each) { return NameOf(each.first) == text.substr(0, equals); });
-  if (equals == text.size() || named == kNumbers.end()) return std::nullopt;
-  const bool is_size = named->second == Number::kBytes;
-  const auto range = ParseNumberRange(text.substr(equals + 1), [&](std::string_view number) -> std::optional<double> {
-    if (!is_size) return ParseNumber<double>(number);
-    const auto bytes = ParseByteSize(number);
+  const auto key = std::ranges::find(ListKeys(), text.substr(0, equals), NameOf);
+  const auto number = key == ListKeys().end() ? std::nullopt : NumberOf(*key);
+  if (equals == text.size() || !number) return std::nullopt;
+  const auto range = ParseNumberRange(text.substr(equals + 1), [&](std::string_view end) -> std::optional<double> {
+    if (number != AtlasQuery::Number::kBytes) return ParseNumber<double>(end);
+    const auto bytes = ParseByteSize(end);
     return bytes ? std::optional(static_cast<double>(*bytes)) : std::nullopt;
   });
   if (!range) return std::nullopt;
-  return AtlasQuery::Range{named->second, range->low, range->high};
+  return AtlasQuery::Range{*number, range->low, range->high};
 }
 
 std::string CheckWhere(const std::string& text) {

@@ -80,6 +80,9 @@ enum class ListKey {
   kSaved,
   kVerdict,  // by errors, then warnings
 };
+// The number that AtlasQuery asks for; none for what is no number there.
+[[nodiscard]] SLAMDB_EXPORT std::optional<AtlasQuery::Number> NumberOf(ListKey key);
+
 struct SortKey {
   ListKey key = ListKey::kName;
   bool descending = false;
