@@ -89,6 +89,9 @@ class PostgresqlStore : public detail::StoreBackend {
     std::ranges::sort(found);
     return found;
   }
+  std::vector<std::string> Find(const AtlasQuery& query) override {
+    return Reading([&] { return FindAtlases(connection_, query); });
+  }
   std::vector<HistoryEntry> Log(const std::string& name) override {
     return Reading([&] { return ReadHistory(connection_, name); });
   }
