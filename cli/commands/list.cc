@@ -143,7 +143,7 @@ std::string NumberWords() {
 // `keyframes=100:`, `size=:20MB`.
 std::optional<AtlasQuery::Range> ParseWhere(std::string_view text) {
   const std::size_t equals = std::min(text.find('='), text.size());
-  const auto key = std::ranges::find(ListKeys(), text.substr(0, equals), NameOf);
+  const auto key = std::ranges::find(ListKeys(), text.substr(0, equals), [](ListKey each) { return NameOf(each); });
   const auto number = key == ListKeys().end() ? std::nullopt : NumberOf(*key);
   if (equals == text.size() || !number) return std::nullopt;
   const auto range = ParseNumberRange(text.substr(equals + 1), [&](std::string_view end) -> std::optional<double> {
