@@ -42,10 +42,8 @@ void RefuseBadOutput(const EditOptions& options) {
 }
 
 void AddEdit(CLI::App& verb, EditOptions& options, Writes output) {
-  verb.add_option("INPUT", options.input, "The atlas: a file, STORE.db#NAME, or - for standard input")
-      ->type_name("FILE")
-      ->required();
-  AddOutputPlace(verb, options.output, output, kWhereTo);
+  verb.add_option("INPUT", options.input, AtlasAt("The atlas"))->type_name("FILE")->required();
+  AddOutputPlace(verb, options.output, output, OutputAt());
   AddFrom(verb, options.from);
   AddEditTarget(verb, options);
   if (output == Writes::kPattern) return;  // each part has a file of its own, or a name

@@ -24,9 +24,10 @@ std::string LeftOut(const SkippedFiles& skipped) {
 }  // namespace
 
 CLI::Option* AddMany(CLI::App& verb, ManyOptions& options) {
-  CLI::Option* files = AddInputs(verb, options.inputs,
-                                 "Atlases: files, folders, stores, STORE.db#NAME, also with * and ? in the name, or - "
-                                 "for standard input");
+  CLI::Option* files =
+      AddInputs(verb, options.inputs,
+                "Atlases: files, folders, stores (also postgresql://USER@HOST/DATABASE), STORE.db#NAME, also "
+                "with * and ? in the name, or - for standard input");
   verb.add_flag("-r,--recursive", options.recursive, "Look into folders of folders too");
   return files;
 }

@@ -167,6 +167,20 @@ void AddOutputPlace(CLI::App& verb, std::string& output, Writes writes, const st
   Mark(verb.add_option("-o,--output", output, "The same as OUTPUT"), writes)->type_name("FILE")->excludes(place);
 }
 
+namespace {
+
+constexpr const char* kPlaces = ": a file, STORE.db#NAME, postgresql://USER@HOST/DATABASE#NAME, or - for standard ";
+
+}  // namespace
+
+std::string AtlasAt(const std::string& what) { return what + kPlaces + "input"; }
+
+std::string OutputAt() { return std::string("Where to") + kPlaces + "output"; }
+
+std::string StoreAt(const std::string& what) {
+  return what + ": an SQLite file of slamdb, or a database, postgresql://USER@HOST/DATABASE";
+}
+
 void RequireOutput(const std::string& output) {
   if (output.empty()) RefuseUsage("the output is missing; -o/--output names it");
 }
@@ -207,10 +221,7 @@ void RefuseBadTarget(const Location& output, const Format& format, const TargetO
 }
 
 void AddStore(CLI::App& verb, StoreVerbOptions& options) {
-  verb.add_option("STORE", options.path,
-                  "The store: an SQLite file of slamdb, or a database, postgresql://USER@HOST/DATABASE")
-      ->type_name("FILE")
-      ->required();
+  verb.add_option("STORE", options.path, StoreAt("The store"))->type_name("FILE")->required();
   AddWait(verb, options.wait);
 }
 

@@ -52,7 +52,13 @@ void WriteOutput(const OutputOptions& options, std::string_view text, Console& c
 // The positional OUTPUT and -o/--output, of which a command line has one. Which one there has to be says
 // RequireOutput.
 void AddOutputPlace(CLI::App& verb, std::string& output, Writes writes, const std::string& description);
-constexpr const char* kWhereTo = "Where to: a file, STORE.db#NAME, or - for standard output";
+
+// What help says of where an atlas may be, spelled once: `The atlas: a file, STORE.db#NAME, ..., or - for standard
+// input`; of an output; and of a store.
+std::string AtlasAt(const std::string& what);
+std::string OutputAt();
+std::string StoreAt(const std::string& what);
+
 // Ends with exit code 2 when there is no output.
 void RequireOutput(const std::string& output);
 

@@ -112,6 +112,21 @@ std::optional<MapQuery::Ids> ParseIdRange(std::string_view text) {
   });
 }
 
+std::optional<NumberRange> ParseNumberRange(std::string_view text,
+                                            const std::function<std::optional<double>(std::string_view)>& parse) {
+  const auto end_of = [&](std::string_view end, double other) -> std::optional<double> {
+    const auto number = end.empty() ? std::optional(other) : parse(end);
+    return number && std::isnan(*number) ? std::nullopt : number;
+  };
+  if (text.empty()) return std::nullopt;
+  if (const auto one = end_of(text, 0)) return NumberRange{*one, *one};
+  return TakeEnds(text, [&](std::string_view first, std::string_view last) -> std::optional<NumberRange> {
+    const auto low = end_of(first, NumberRange{}.low), high = end_of(last, NumberRange{}.high);
+    if (!low || !high || *low > *high) return std::nullopt;
+    return NumberRange{*low, *high};
+  });
+}
+
 CLI::Option* AddTimeRange(CLI::App& verb, std::string& range, const std::string& help) {
   return verb.add_option("--time", range, Concat(help, ", both ends included: ", kForms, ", or ", kCounted, kOneEnd))
       ->type_name("BEGIN:END")

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,6 +36,13 @@ std::optional<TimeRange> ParseTimeRange(std::string_view text);
 
 // `FIRST:LAST` or `FIRST..LAST`, of which one end may be left out, or one id. Nothing for what is none.
 std::optional<MapQuery::Ids> ParseIdRange(std::string_view text);
+
+// The same of numbers, each of which `parse` takes; an end that is left out is infinite.
+struct NumberRange {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+};
+std::optional<NumberRange> ParseNumberRange(std::string_view text,
+                                            const std::function<std::optional<double>(std::string_view)>& parse);
 
 // --time and --keyframes, which refuse what is no range; their help is `help` with the forms.
 CLI::Option* AddTimeRange(CLI::App& verb, std::string& range, const std::string& help);

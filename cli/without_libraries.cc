@@ -35,8 +35,9 @@ void GoOnWithLibraries() {
   const fs::path program = fs::exists(beside, unknown) ? beside : folder.parent_path() / "libexec/slamdb/slamdb";
   ::execv(program.c_str(), own_words);
   const bool missing = errno == ENOENT;
-  throw SystemError(program.string(), "this needs Cairo, Ceres, OpenCV or libpq, and with them slamdb's second program" +
-                                          std::string(missing ? ", which belongs here: install both" : ""));
+  throw SystemError(program.string(),
+                    "this needs Cairo, Ceres, OpenCV or libpq, and with them slamdb's second program" +
+                        std::string(missing ? ", which belongs here: install both" : ""));
 }
 
 }  // namespace slamdb::cli

@@ -107,8 +107,7 @@ ExitCode RunAdd(const AddVerbOptions& options, Console& console) {
 
 Run AddAdd(CLI::App& verb) {
   const auto options = std::make_shared<AddVerbOptions>();
-  Mark(verb.add_option("STORE", options->store, "The store, an SQLite file of slamdb; made where it is missing"),
-       Writes::kAtlas)
+  Mark(verb.add_option("STORE", options->store, StoreAt("The store") + "; made where it is missing"), Writes::kAtlas)
       ->type_name("FILE")
       ->required();
   AddMany(verb, options->many);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "cli/batch.h"
 #include "cli/check_options.h"
@@ -11,8 +12,10 @@
 #include "cli/edit.h"
 #include "cli/many.h"
 #include "cli/options.h"
+#include "cli/report/layout.h"
 #include "cli/report/paint.h"
 #include "cli/words.h"
+#include "slamdb/base/atomic_file.h"
 #include "slamdb/base/detail/server.h"
 #include "slamdb/base/detail/visible.h"
 #include "slamdb/checks/report.h"
@@ -28,7 +31,7 @@ constexpr std::size_t kKeptFindings = 100;  // of each rule in reports for progr
 struct CheckVerbOptions {
   ManyOptions many;
   OutputOptions output;
-  std::string format = "text", vocabulary;
+  std::string format = "text", vocabulary, journal;
   bool json = false, list = false;
   CheckOptions check;
   std::optional<std::size_t> max_findings;
@@ -43,17 +46,43 @@ CheckOptions CheckOptionsOf(const CheckVerbOptions& options) {
   return check;
 }
 
-std::string Rendered(const std::vector<CheckedFile>& files, const CheckVerbOptions& options, const std::string& format,
-                     const Console& console) {
-  if (format == "json") return ToJson(files);
-  if (format == "junit") return JUnitReport(files, console.verbose());
-  if (format == "sarif") return SarifReport(files, std::string(Version()), console.verbose());
+std::unique_ptr<CheckReporter> MakeReporter(CheckReporter::Sink sink, const CheckVerbOptions& options,
+                                            const std::string& format, const Console& console) {
+  if (format == "json") return MakeJsonReporter(std::move(sink));
+  if (format == "junit") return MakeJUnitReporter(std::move(sink), console.verbose());
+  if (format == "sarif") return MakeSarifReporter(std::move(sink), std::string(Version()), console.verbose());
   TextReportOptions text;
   text.shown_per_rule = options.max_findings.value_or(text.shown_per_rule);
   text.show_notes = console.verbose();
   text.only_broken = console.quiet();
-  return detail::VisibleText(TextReport(files, text));
+  return MakeTextReporter([sink = std::move(sink)](std::string_view piece) { sink(detail::VisibleText(piece)); }, text);
 }
+
+// Where the report goes, piece by piece. A file is opened before the work, so that what would fail at the end fails at
+// once, and is there when it is whole.
+class Output {
+ public:
+  Output(const OutputOptions& options, Console& console, Painter painter) : console_(console), painter_(painter) {
+    if (options.path != "-") file_.emplace(options.path, AtomicFileOptions{.overwrite = options.overwrite});
+  }
+
+  void Write(std::string_view text) {
+    if (file_)
+      file_->Write(text);
+    else if (painter_ != nullptr)
+      console_.Print(text, painter_);
+    else
+      console_.PrintData(text);
+  }
+  void Commit() {
+    if (file_) file_->Commit();
+  }
+
+ private:
+  Console& console_;
+  const Painter painter_;
+  std::optional<AtomicFile> file_;
+};
 
 // The file that a code host knows: without the name of an atlas in a store, links followed, and relative to the working
 // folder where it lies below.
@@ -83,22 +112,35 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
   if (options.many.inputs.paths.empty()) throw CLI::RequiredError("FILE");
   if (format == "markdown") RefuseUsage("--format markdown is for --list");
   const std::optional<LoadedVocabulary> vocabulary = LoadGivenVocabulary(options.vocabulary, console);
-  auto outcomes = CheckAtlases(FindInputs(options.many, console, options.wait),
-                               {.read = MakeReadOptions(console, options.many.inputs.from, options.wait),
-                                .check = CheckOptionsOf(options),
-                                .vocabulary = vocabulary ? &*vocabulary : nullptr});
-  for (auto& outcome : outcomes) outcome.error = InCommandWords(outcome.error);
-  std::vector<CheckedFile> files = CheckedFilesOf(outcomes);
-  for (CheckedFile& file : files) file.file = FileOfInput(file.name);
-  const bool for_people = format == "text" && options.output.path == "-";
-  const bool one = files.size() == 1;
-  if (!for_people || !one || outcomes.front().ok())
-    WriteOutput(options.output, Rendered(files, options, format, console), console,
-                format == "text" ? PaintFindings : nullptr);
-  ExitCode code = ReportOutcomes(outcomes, console, /*told=*/for_people && !one);
-  for (const auto& outcome : outcomes)
-    if (!outcome.result.ok()) code = ExitCode::kFailed;
-  return code;
+  const AtlasInputs inputs = FindInputs(options.many, console, options.wait);
+  const bool one = inputs.atlases.size() == 1, for_people = format == "text" && options.output.path == "-";
+  Output output(options.output, console, format == "text" ? PaintFindings : nullptr);
+  const auto reporter = MakeReporter([&](std::string_view text) { output.Write(text); }, options, format, console);
+  std::uint64_t unreadable = 0, broken = 0;
+  const auto take = [&](Outcome<CheckReport>&& outcome) {
+    outcome.error = InCommandWords(outcome.error);
+    console.Report(outcome.notices, one ? "" : outcome.path + ": ");
+    if (!outcome.ok()) ++unreadable;
+    if (!outcome.result.ok()) ++broken;
+    if (!outcome.ok() && (!for_people || one)) console.Fail(outcome.error);
+    if (!outcome.ok() && for_people && one) return;
+    CheckedFile file = CheckedFileOf(outcome);
+    file.file = FileOfInput(file.name);
+    reporter->Add(file);
+  };
+  const std::uint64_t known = CheckAtlases(inputs,
+                                           {.read = MakeReadOptions(console, options.many.inputs.from, options.wait),
+                                            .check = CheckOptionsOf(options),
+                                            .vocabulary = vocabulary ? &*vocabulary : nullptr,
+                                            .journal = options.journal},
+                                           take);
+  reporter->End();
+  output.Commit();
+  if (known > 0)
+    console.Note(Grouped(known) + " of " + Grouped(inputs.atlases.size()) +
+                 " are as they were when they were checked, and were not read again: " + options.journal);
+  if (for_people && !one) FailUnreadable(unreadable, inputs.atlases.size(), console);
+  return unreadable + broken > 0 ? ExitCode::kFailed : ExitCode::kDone;
 }
 
 Run AddCheck(CLI::App& verb) {
@@ -116,6 +158,11 @@ Run AddCheck(CLI::App& verb) {
   verb.add_option("--vocabulary", options->vocabulary,
                   "The vocabulary file that the atlas was made with: its words are checked against it; an atlas of "
                   "another vocabulary is refused")
+      ->type_name("FILE");
+  Mark(verb.add_option("--journal", options->journal,
+                       "Keep what is found in this file as it comes: the same command goes on there when it was "
+                       "interrupted, and reads no atlas again that is as it was"),
+       Writes::kFile)
       ->type_name("FILE");
   verb.add_flag("--list", options->list, "List the rules with their severity, and check nothing");
   AddWait(verb, options->wait);

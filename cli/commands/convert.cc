@@ -160,10 +160,8 @@ void BindFormatOptions(CLI::App& verb, ConvertVerbOptions& options) {
 
 Run AddConvert(CLI::App& verb) {
   const auto options = std::make_shared<ConvertVerbOptions>();
-  verb.add_option("INPUT", options->input, "The atlas: a file, STORE.db#NAME, or - for standard input")
-      ->type_name("FILE")
-      ->required();
-  AddOutputPlace(verb, options->output, Writes::kAtlas, kWhereTo);
+  verb.add_option("INPUT", options->input, AtlasAt("The atlas"))->type_name("FILE")->required();
+  AddOutputPlace(verb, options->output, Writes::kAtlas, OutputAt());
   AddFrom(verb, options->from);
   verb.add_option(
           "--onto", options->onto,

@@ -183,9 +183,7 @@ ExitCode RunDiff(const DiffVerbOptions& options, Console& console) {
 
 Run AddDiff(CLI::App& verb) {
   const auto options = std::make_shared<DiffVerbOptions>();
-  verb.add_option("BEFORE", options->before, "An atlas: a file, STORE.db#NAME, or - for standard input")
-      ->type_name("FILE")
-      ->required();
+  verb.add_option("BEFORE", options->before, AtlasAt("An atlas"))->type_name("FILE")->required();
   verb.add_option("AFTER", options->after, "The atlas to compare it with")->type_name("FILE")->required();
   AddFrom(verb, options->from);
   AddWait(verb, options->wait);

@@ -37,9 +37,7 @@ ExitCode RunDump(const DumpOptions& options, Console& console) {
 
 Run AddDump(CLI::App& verb) {
   const auto options = std::make_shared<DumpOptions>();
-  verb.add_option("FILE", options->input, "The atlas: a file, STORE.db#NAME, or - for standard input")
-      ->type_name("FILE")
-      ->required();
+  verb.add_option("FILE", options->input, AtlasAt("The atlas"))->type_name("FILE")->required();
   verb.add_option(
           "--format", options->format,
           "ndjson has one line for every entity with all its fields; csv tables have one kind each, points in csv")

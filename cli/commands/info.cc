@@ -87,7 +87,7 @@ ExitCode RunInfo(const InfoOptions& options, Console& console) {
 
 Run AddInfo(CLI::App& verb) {
   const auto options = std::make_shared<InfoOptions>();
-  AddInputs(verb, options->inputs, "An atlas: a file, STORE.db#NAME, or - for standard input");
+  AddInputs(verb, options->inputs, AtlasAt("An atlas"));
   AddJson(verb, options->json);
   verb.add_flag("--plot,!--no-plot", options->plot,
                 "Draw the trajectory of each map as seen from above; by default on terminals of UTF-8");

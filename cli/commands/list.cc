@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "cli/batch.h"
+#include "cli/byte_size.h"
 #include "cli/commands/commands.h"
 #include "cli/many.h"
 #include "cli/options.h"
@@ -27,6 +28,7 @@ using detail::ParseNumber;
 struct ListVerbOptions {
   ManyOptions many;
   std::string time, near, keyframes;
+  AtlasQuery stored;
   std::vector<std::string> sort, columns;
   bool check = false, json = false;
   double wait = kUsualWait;
@@ -85,6 +87,7 @@ std::vector<SortKey> SortKeysOf(const std::vector<std::string>& words) {
 }
 
 std::string TextOf(const std::vector<ListedAtlas>& atlases, const ListVerbOptions& options) {
+  if (atlases.empty() && !options.stored.everything()) return "no atlas is like that\n";
   if (atlases.empty()) return QueryOf(options).everything() ? "no atlases\n" : "no atlas covers that\n";
   std::vector<ListKey> columns;
   for (const std::string& word : options.columns) columns.push_back(SortKeyOf(word).key);
@@ -96,7 +99,7 @@ ExitCode RunList(const ListVerbOptions& options, Console& console) {
   ManyOptions many = options.many;
   if (many.inputs.paths.empty()) many.inputs.paths.emplace_back(".");
   const AtlasInputs inputs = FindInputs(many, console, options.wait);
-  ListOptions list{.query = QueryOf(options), .lock_timeout = options.wait};
+  ListOptions list{.query = QueryOf(options), .stored = options.stored, .lock_timeout = options.wait};
   list.format = many.inputs.from.format;
   list.layout = LayoutNamed(many.inputs.from.layout);
   if (options.check) list.check.emplace();
@@ -106,7 +109,8 @@ ExitCode RunList(const ListVerbOptions& options, Console& console) {
   const bool one = atlases.size() == 1;
   SortAtlases(atlases, SortKeysOf(options.sort));
   if (options.json)
-    console.PrintData(ReportInCommandWords(ToJson(atlases, many.inputs.paths.size() == 1 ? many.inputs.paths[0] : "")));
+    WriteJson(atlases, many.inputs.paths.size() == 1 ? many.inputs.paths[0] : "",
+              [&](std::string_view piece) { console.PrintData(ReportInCommandWords(piece)); });
   else if (!one || atlases[0].failure.empty())
     console.Print(TextOf(atlases, options));
   const auto unreadable = static_cast<std::uint64_t>(
@@ -129,6 +133,60 @@ void BindQuery(CLI::App& verb, ListVerbOptions& options) {
   AddIdRange(verb, options.keyframes, "Maps that have a keyframe of these ids")->group(kGroup);
 }
 
+std::string NumberWords() {
+  std::string words;
+  for (const ListKey key : ListKeys())
+    if (NumberOf(key)) words.append(words.empty() ? "" : ", ").append(NameOf(key));
+  return words;
+}
+
+// `keyframes=100:`, `size=:20MB`.
+std::optional<AtlasQuery::Range> ParseWhere(std::string_view text) {
+  const std::size_t equals = std::min(text.find('='), text.size());
+  const auto key = std::ranges::find(ListKeys(), text.substr(0, equals), NameOf);
+  const auto number = key == ListKeys().end() ? std::nullopt : NumberOf(*key);
+  if (equals == text.size() || !number) return std::nullopt;
+  const auto range = ParseNumberRange(text.substr(equals + 1), [&](std::string_view end) -> std::optional<double> {
+    if (number != AtlasQuery::Number::kBytes) return ParseNumber<double>(end);
+    const auto bytes = ParseByteSize(end);
+    return bytes ? std::optional(static_cast<double>(*bytes)) : std::nullopt;
+  });
+  if (!range) return std::nullopt;
+  return AtlasQuery::Range{*number, range->low, range->high};
+}
+
+std::string CheckWhere(const std::string& text) {
+  if (ParseWhere(text)) return {};
+  return "expected one of " + NumberWords() + " and a number or a range, as keyframes=100: or length=:20.5, found '" +
+         text + "'";
+}
+
+void BindStoredQuery(CLI::App& verb, AtlasQuery& query) {
+  constexpr const char* kGroup = "What a store tells of atlases, of which none is read";
+  verb.add_option_function<std::vector<std::string>>(
+          "--where",
+          [&query](const std::vector<std::string>& wheres) {
+            for (const std::string& where : wheres) query.ranges.push_back(ParseWhere(where).value());
+          },
+          "Where these are so many: " + NumberWords() + "; both ends included, one may be left out; of files too")
+      ->type_name("NUMBER=LOW:HIGH,...")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CheckWhere)
+      ->group(kGroup);
+  verb.add_option("--who", query.who,
+                  "With a revision that this robot, or person, saved: a user, a host or USER@HOST; * and ? stand for "
+                  "other letters here and in the next two")
+      ->type_name("NAME")
+      ->group(kGroup);
+  verb.add_option("--provenance", query.provenance, "With a revision that was made of this, as `slamdb log` tells it")
+      ->type_name("TEXT")
+      ->group(kGroup);
+  verb.add_option("--tag", query.tag, "With a revision of this tag; one revision must meet all three")
+      ->type_name("TAG")
+      ->group(kGroup);
+}
+
 Run AddList(CLI::App& verb) {
   const auto options = std::make_shared<ListVerbOptions>();
   AddMany(verb, options->many)->required(false);
@@ -145,6 +203,7 @@ Run AddList(CLI::App& verb) {
       ->allow_extra_args(false)
       ->check(CheckWord);
   BindQuery(verb, *options);
+  BindStoredQuery(verb, options->stored);
   AddWait(verb, options->wait);
   AddJson(verb, options->json);
   return [options](Console& console) { return RunList(*options, console); };

@@ -350,13 +350,8 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
 
 Run AddMerge(CLI::App& verb) {
   const auto options = std::make_shared<MergeVerbOptions>();
-  verb.add_option("INPUT", options->inputs, "The atlases: files, STORE.db#NAME, or - for standard input")
-      ->type_name("FILE")
-      ->required();
-  Mark(
-      verb.add_option("-o,--output", options->edit.output, "Where to: a file, STORE.db#NAME, or - for standard output"),
-      Writes::kAtlas)
-      ->type_name("FILE");
+  verb.add_option("INPUT", options->inputs, AtlasAt("The atlases"))->type_name("FILE")->required();
+  Mark(verb.add_option("-o,--output", options->edit.output, OutputAt()), Writes::kAtlas)->type_name("FILE");
   AddFrom(verb, options->edit.from);
   AddEditTarget(verb, options->edit);
   verb.add_option("--on-conflict", options->same_map,

@@ -145,9 +145,7 @@ void BindReference(CLI::App& verb, PlotVerbOptions& options) {
 
 Run AddPlot(CLI::App& verb) {
   const auto options = std::make_shared<PlotVerbOptions>();
-  verb.add_option("FILE", options->input, "The atlas: a file, STORE.db#NAME, or - for standard input")
-      ->type_name("FILE")
-      ->required();
+  verb.add_option("FILE", options->input, AtlasAt("The atlas"))->type_name("FILE")->required();
   AddFrom(verb, options->from);
   Mark(verb.add_option("-o,--output", options->output,
                        "Write to this file, an .svg or a .png; by default NAME.svg in this folder"),

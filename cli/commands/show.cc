@@ -160,9 +160,7 @@ ExitCode RunShow(const ShowOptions& options, Console& console) {
 
 Run AddShow(CLI::App& verb) {
   const auto options = std::make_shared<ShowOptions>();
-  verb.add_option("FILE", options->input, "The atlas: a file, STORE.db#NAME, or - for standard input")
-      ->type_name("FILE")
-      ->required();
+  verb.add_option("FILE", options->input, AtlasAt("The atlas"))->type_name("FILE")->required();
   verb.add_option(
           "ENTITY", options->entities,
           "What to show: atlas, camera/ID, map/ID, kf/ID (a keyframe), mp/ID (a map point) or landmark/ID (of MRPT)")

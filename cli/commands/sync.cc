@@ -116,10 +116,7 @@ ExitCode RunSync(const SyncVerbOptions& options, Console& console) {
 
 Run AddSync(CLI::App& verb) {
   const auto options = std::make_shared<SyncVerbOptions>();
-  verb.add_option("FIRST", options->first,
-                  "A store: an SQLite file of slamdb, or a database, postgresql://USER@HOST/DATABASE")
-      ->type_name("FILE")
-      ->required();
+  verb.add_option("FIRST", options->first, StoreAt("A store"))->type_name("FILE")->required();
   verb.add_option("SECOND", options->second, "The other one; either is made where it is missing")
       ->type_name("FILE")
       ->required();

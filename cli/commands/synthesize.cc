@@ -105,7 +105,7 @@ Run AddSynthesize(CLI::App& verb) {
   SyntheticOptions& atlas = options->atlas;
   std::vector<std::string> sensors;
   for (const auto& [name, sensor] : kSensors) sensors.push_back(name);
-  AddOutputPlace(verb, options->output, Writes::kAtlas, kWhereTo);
+  AddOutputPlace(verb, options->output, Writes::kAtlas, OutputAt());
   AddTarget(verb, options->target);
   constexpr const char* kGroup = "The atlas";
   verb.add_option("--sensor", options->sensor, "What sees the world")

@@ -199,7 +199,7 @@ void AddPageOptions(CLI::App& verb, ViewVerbOptions& options) {
 
 Run AddView(CLI::App& verb) {
   const auto options = std::make_shared<ViewVerbOptions>();
-  AddInputs(verb, options->inputs, "An atlas: a file, STORE.db#NAME, or - for standard input");
+  AddInputs(verb, options->inputs, AtlasAt("An atlas"));
   Mark(verb.add_option("-o,--output", options->output,
                        "The page; by default the name of the first atlas with .html, in this folder"),
        Writes::kFile)

@@ -103,6 +103,7 @@
 #include "slamdb/formats/orbslam3/orbslam3.h"
 #include "slamdb/formats/postgresql/fleet.h"
 #include "slamdb/formats/results.h"
+#include "slamdb/formats/rows/atlas_query.h"
 #include "slamdb/formats/rows/options.h"
 #include "slamdb/formats/rows/places.h"
 #include "slamdb/formats/rows/revisions.h"

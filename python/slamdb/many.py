@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Many atlases: what files, folders and stores stand for, and what is in each."""
 
-from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from . import _slamdb
 from ._slamdb import Atlas
@@ -45,6 +45,10 @@ def list_atlases(
     time: Range = None,
     near: Ball = None,
     keyframes: Optional[Tuple[int, int]] = None,
+    where: Optional[Mapping[str, Tuple[Optional[float], Optional[float]]]] = None,
+    who: str = "",
+    provenance: str = "",
+    tag: str = "",
     sort: Texts = (),
     check: bool = False,
     wait: float = 5,
@@ -58,6 +62,12 @@ def list_atlases(
     time: only those of which a map was made, in part, from the first to the last second
     near: only those of which a map has a point in the ball ((x, y, z), radius) in its world
     keyframes: only those of which a map has a keyframe of the ids from the first to the last
+    where: only those where numbers lie in ranges, such as {"keyframes": (100, None), "length": (None, 50)}; both ends
+        are included
+    who: only those of a store with a revision that this robot or person saved: a user, a host or "user@host"; `*` and
+        `?` stand for other letters here and in the next two
+    provenance: with a revision that was made of this, as the log tells it
+    tag: with a revision of this tag; one revision must meet all three
     sort: by "points", "size", "date" and so on, downwards by "-points"; several: equal ones by the next
     check: hold them against the rules, which reads them all
     wait: seconds, for a program that holds a store
@@ -67,6 +77,7 @@ def list_atlases(
     given: Dict[str, object] = dict(locals())
     given["sources"] = given.pop("names")
     given["sort"] = listed(sort)
+    given["where"] = dict(where or {})
     return Report.parse(reported(_slamdb.list_atlases, given))
 
 

@@ -26,6 +26,7 @@ def check(
     strict: bool = False,
     max_findings: int = 100,
     vocabulary: Optional[Path] = None,
+    journal: Optional[Path] = None,
     gates: Optional[Mapping[str, float]] = None,
     wait: float = 5,
     threads: int = 0,
@@ -39,6 +40,8 @@ def check(
     strict: warnings count as errors
     max_findings: kept of each rule; all are counted
     vocabulary: the file that the atlases were made with: their words are checked, too; of another one they fail
+    journal: a file that keeps what is found as it comes: the same call goes on there when it was interrupted, and reads
+        no atlas again that is as it was
     gates: limits, such as {"min-keyframes": 10}
     wait: seconds, for other programs that write to stores
 

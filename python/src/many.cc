@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -61,9 +62,28 @@ MapQuery QueryOf(Arguments& given) {
   return query;
 }
 
+AtlasQuery StoredQueryOf(Arguments& given) {
+  AtlasQuery query;
+  using End = std::optional<double>;
+  for (const auto& [word, ends] : given.Get<std::map<std::string, std::pair<End, End>>>("where")) {
+    const SortKey key = SortKeyOf(word);
+    const auto number = NumberOf(key.key);
+    if (key.descending || !number)
+      throw Error(ErrorKind::kUsage, "'" + word + "' is no number that a store tells of its atlases");
+    AtlasQuery::Range range{.number = *number};
+    if (ends.first) range.low = *ends.first;
+    if (ends.second) range.high = *ends.second;
+    query.ranges.push_back(range);
+  }
+  given.Take("who", query.who);
+  given.Take("provenance", query.provenance);
+  given.Take("tag", query.tag);
+  return query;
+}
+
 void DefineList(py::module_& module) {
   DefineReport(module, "list_atlases", [](Arguments& given) {
-    ListOptions options{.query = QueryOf(given)};
+    ListOptions options{.query = QueryOf(given), .stored = StoredQueryOf(given)};
     if (given.Get<bool>("check")) options.check.emplace();
     given.Take("format", options.format);
     options.layout = LayoutNamed(given.Path("layout"));

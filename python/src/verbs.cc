@@ -7,8 +7,8 @@
 #include "slamdb/edit/repair/recover.h"
 #include "slamdb/edit/repair/repair.h"
 #include "slamdb/edit/tables/tables.h"
-#include "slamdb/formats/salvage.h"
 #include "slamdb/formats/rows/options.h"
+#include "slamdb/formats/salvage.h"
 #include "slamdb/many/check.h"
 
 // Checks, repairs and comparisons. slamdb/verbs.py documents what is here.
@@ -34,7 +34,8 @@ namespace {
 
 void DefineCheck(py::module_& module) {
   DefineReport(module, "check", [](Arguments& given) {
-    const CheckAtlasesOptions options{.read = ReadingOf(given), .check = CheckOptionsOf(given)};
+    const CheckAtlasesOptions options{
+        .read = ReadingOf(given), .check = CheckOptionsOf(given), .journal = given.Path("journal")};
     return [options, inputs = InputsOf(given), vocabulary = given.Path("vocabulary")](Notices& notices) {
       CheckAtlasesOptions check = options;
       const auto loaded = VocabularyAt(vocabulary, options.read.threads);

@@ -395,11 +395,12 @@ def test_sync(tmp_path, fixtures):
     slamdb.Store(first).save("lab", atlas)
     slamdb.Store(second).save("yard", atlas)
     dry = slamdb.sync(first, second, dry_run=True)
-    assert dry["dry_run"] and not os.path.exists(tmp_path / "third.db")
+    assert [each["input"] for each in dry["inputs"]] == [str(first), str(second)] and dry["copied"] == 2
+    assert slamdb.Store(first).names == ["lab"]
     assert [each["name"] for each in slamdb.sync(first, second, name="lab")["atlases"]] == ["lab"]
     report = slamdb.sync(first, second, retry=1, wait=1, sync=False)
     assert (report.copied, report.same) == (1, 1) and report.atlases[0].to == "first"
-    assert slamdb.Store(first).names() == slamdb.Store(second).names() == ["lab", "yard"]
+    assert slamdb.Store(first).names == slamdb.Store(second).names == ["lab", "yard"]
     with pytest.raises(slamdb.UsageError, match="to be compared with"):
         slamdb.sync(first, first)
     with pytest.raises(slamdb.UsageError, match="skip"):

@@ -237,6 +237,17 @@ CREATE TABLE keyframe_words (
 ) PARTITION BY HASH (atlas);
 ALTER TABLE keyframe_words ALTER COLUMN words SET STORAGE PLAIN;
 
+-- A picture is held against these first: an eighth of the rows of keyframe_words.
+CREATE TABLE place (
+  atlas bigint NOT NULL,
+  map bigint NOT NULL,                        -- map.row
+  number integer NOT NULL,                    -- of eight keyframes that follow each other by their ids, from 0
+  shown integer NOT NULL,                     -- how many of `words` are set
+  words bit(4096) NOT NULL,                   -- that two of these keyframes show at least
+  PRIMARY KEY (atlas, map, number)
+) PARTITION BY HASH (atlas);
+ALTER TABLE place ALTER COLUMN words SET STORAGE PLAIN;
+
 CREATE TABLE map_point (
   row bigint NOT NULL,
   map bigint NOT NULL,
@@ -297,6 +308,7 @@ COMMENT ON TABLE keyframe IS 'A keyframe with its links, without its features.';
 COMMENT ON TABLE keyframe_features IS 'The features of a keyframe: its links to points, and the picture that has the rest.';
 COMMENT ON TABLE picture IS 'What a picture gave, packed: shared by all keyframes of the atlas that have the same to the last bit.';
 COMMENT ON TABLE keyframe_words IS 'What a keyframe looks like, so that a picture is looked for without reading atlases.';
+COMMENT ON TABLE place IS 'What eight neighbouring keyframes look like: which atlases know a picture is asked of these.';
 COMMENT ON TABLE map_point IS 'A map point with its observations.';
 COMMENT ON TABLE landmark IS 'An MRPT landmark of a map.';
 

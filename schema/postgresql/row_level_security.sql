@@ -23,7 +23,7 @@ DECLARE
   each text;
 BEGIN
   FOREACH each IN ARRAY ARRAY['revision', 'tag', 'camera', 'map', 'repeated_entry', 'keyframe', 'keyframe_features',
-                              'picture', 'keyframe_words', 'map_point', 'landmark'] LOOP
+                              'picture', 'keyframe_words', 'place', 'map_point', 'landmark'] LOOP
     EXECUTE format('ALTER TABLE %I ENABLE ROW LEVEL SECURITY', each);
     EXECUTE format('DROP POLICY IF EXISTS by_project ON %I', each);
     EXECUTE format('CREATE POLICY by_project ON %I USING (atlas IN (SELECT row FROM slamdb.atlas))', each);

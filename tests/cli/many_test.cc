@@ -341,6 +341,53 @@ TEST_F(Many, CheckOfAFolderAndAStore) {
   EXPECT_THAT(none.err, HasSubstr("no atlas is named like 'x*'"));
 }
 
+TEST_F(Many, AKilledCheckGoesOnWithItsJournal) {
+  for (int i = 0; i < 40; ++i) fs::copy_file(kTiny, In("maps/copy" + std::to_string(i) + ".osa"));
+  const std::vector<std::string> check = {"check", Maps(), "--journal", In("j"), "--threads", "1"};
+  const ProcessResult whole = RunSlamdb({"check", Maps()});
+  EXPECT_EQ(whole.exit_code, 1) << "mono_small_twice is not sound";
+  RunProgram({"bash", "-c",
+              "\"$0\" check \"$1\" --journal \"$2\" --threads 1 >/dev/null & "
+              "until [ \"$(wc -l < \"$2\" 2>/dev/null || echo 0)\" -ge 3 ]; do :; done; kill -9 $!; wait",
+              SLAMDB_COMMAND, Maps(), In("j")});
+  const ProcessResult rest = RunSlamdb(check);
+  EXPECT_EQ(rest.out, whole.out);
+  EXPECT_EQ(rest.exit_code, 1);
+  EXPECT_THAT(rest.err, HasSubstr(" of 44 are as they were when they were checked, and were not read again: "));
+  const ProcessResult again = RunSlamdb({"check", Maps(), "--journal", In("j"), "--json"});
+  EXPECT_EQ(again.out, RunSlamdb({"check", Maps(), "--json"}).out) << "whatever the form of the report";
+  EXPECT_THAT(again.err, HasSubstr("44 of 44 are as they were"));
+  const ProcessResult strict = RunSlamdb({"check", Maps(), "--journal", In("j"), "--strict"});
+  EXPECT_EQ(strict.exit_code, 1);
+  EXPECT_THAT(strict.err, HasSubstr("is the journal of a check with other options"));
+}
+
+TEST_F(Many, ListFindsByWhatAStoreTells) {
+  ASSERT_EQ(RunSlamdb({"add", In("s.db"), Maps(), "-q"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"tag", In("s.db#tiny2"), "release"}).exit_code, 0);
+  const auto found = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), In("s.db"));
+    return NamesOf(List(words));
+  };
+  EXPECT_THAT(found({"--where", "keyframes=14:"}), ElementsAre("mono_small_twice", "session_small_a"));
+  EXPECT_THAT(found({"--where", "keyframes=14"}), ElementsAre("session_small_a"));
+  EXPECT_THAT(found({"--where", "keyframes=3..,length=:5"}), ElementsAre("mono_small_twice"));
+  EXPECT_THAT(found({"--where", "size=1MB:", "--where", "span=15:20"}), ElementsAre("session_small_a"));
+  EXPECT_THAT(found({"--tag", "release"}), ElementsAre("tiny2"));
+  EXPECT_EQ(found({"--who", "*@*"}).size(), 4U);
+  EXPECT_THAT(found({"--who", "nobody-of-this-name"}), ElementsAre());
+  EXPECT_THAT(found({"--provenance", "session_small_a.osa"}), ElementsAre("session_small_a"));
+  EXPECT_THAT(found({"--provenance", "add */tiny*.osa", "--keyframes", "0:"}), ElementsAre("tiny2", "tiny10"));
+  EXPECT_THAT(NamesOf(List({Maps(), "--where", "keyframes=14"})), ElementsAre("session_small_a")) << "of files, too";
+  EXPECT_THAT(NamesOf(List({Maps(), "--tag", "release"})), ElementsAre()) << "which have none";
+  EXPECT_EQ(RunSlamdb({"list", In("s.db"), "--tag", "none"}).out, "no atlas is like that\n");
+  for (const char* wrong : {"keyframes", "keyframes=", "keyframes=9:2", "keyframes=few", "name=3", "size=9XB", "=3"}) {
+    const ProcessResult refused = RunSlamdb({"list", Maps(), "--where", wrong});
+    EXPECT_EQ(refused.exit_code, 2) << wrong;
+    EXPECT_THAT(refused.err, HasSubstr("expected one of maps, keyframes, points, observations, ")) << wrong;
+  }
+}
+
 TEST_F(Many, AnOutputIsNoneOfTheInputsOfAFolder) {
   const std::string before = ReadWholeFile(kTiny);
   EXPECT_EQ(RunSlamdb({"check", Maps(), "-o", Maps() + "/tiny2.osa", "-O"}).exit_code, 1);

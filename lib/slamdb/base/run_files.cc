@@ -12,6 +12,7 @@
 #include <mutex>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "slamdb/base/detail/concat.h"
@@ -29,14 +30,16 @@ using Key = std::tuple<dev_t, ino_t, std::string>;
 
 struct Use {
   std::string said;
-  AtlasName atlas;
   bool output = false;
 };
+
+// By what is used: the whole of a file, then its atlases, so that one of ten thousand is found among them.
+using Uses = std::multimap<std::pair<Key, AtlasName>, Use>;
 
 struct Run {
   std::mutex mutex;
   bool keeps_inputs = false;
-  std::multimap<Key, Use> uses;
+  Uses uses;
 };
 
 Run& TheRun() {
@@ -83,13 +86,20 @@ std::vector<Key> KeysOf(const std::string& path) {
   return keys;
 }
 
-// And those of what lies beside a store.
+// Of what lies beside a store.
+std::vector<Key> KeysBeside(const std::string& path, const AtlasName& atlas, const std::vector<Key>& keys) {
+  std::vector<Key> beside;
+  if (!atlas || keys.empty() || IsServer(path)) return beside;
+  const auto& [device, folder, name] = keys.back();
+  for (const std::string_view suffix : kBesideStores) beside.emplace_back(device, folder, Concat(name, suffix));
+  return beside;
+}
+
+// And those.
 std::vector<Key> KeysOf(const std::string& path, const AtlasName& atlas) {
   std::vector<Key> keys = KeysOf(path);
-  if (!atlas || keys.empty() || IsServer(path)) return keys;
-  const Key name = keys.back();
-  for (const std::string_view suffix : kBesideStores)
-    keys.emplace_back(std::get<0>(name), std::get<1>(name), Concat(std::get<2>(name), suffix));
+  const std::vector<Key> beside = KeysBeside(path, atlas, keys);
+  keys.insert(keys.end(), beside.begin(), beside.end());
   return keys;
 }
 
@@ -99,27 +109,42 @@ std::string Said(const std::string& path, const AtlasName& atlas) {
   return atlas && !atlas->empty() ? path + "#" + *atlas : path;
 }
 
-// What is said of an output that collides with `use`.
-std::string Problem(const std::string& said, const AtlasName& atlas, const Use& use) {
+// What is said of an output that collides with one of `used`.
+std::string Problem(const std::string& said, const AtlasName& atlas, const AtlasName& used, const Use& use) {
   if (use.output)
     return "is an output of this run already" + (said == use.said ? "" : ", as " + use.said) + "; name another file";
   const std::string which = said == use.said ? "the input" : "the input " + use.said;
-  return (use.atlas && !atlas ? "holds " : "is ") + which + ", which is never changed; name another output";
+  return (used && !atlas ? "holds " : "is ") + which + ", which is never changed; name another output";
 }
 
 void Refuse(const Run& run, const std::vector<Key>& keys, const std::string& path, const AtlasName& atlas,
             bool outputs_too) {
   const std::string said = Said(path, atlas);
-  for (const Key& key : keys) {
-    const auto [first, last] = run.uses.equal_range(key);
+  const auto refuse = [&](Uses::const_iterator first, Uses::const_iterator last) {
     for (auto use = first; use != last; ++use)
-      if ((outputs_too || !use->second.output) && Collide(use->second.atlas, atlas))
-        throw Error(ErrorKind::kUsage, said, "", Problem(said, atlas, use->second));
+      if (outputs_too || !use->second.output)
+        throw Error(ErrorKind::kUsage, said, "", Problem(said, atlas, use->first.second, use->second));
+  };
+  for (const Key& key : keys) {
+    const auto whole = run.uses.equal_range({key, std::nullopt});
+    refuse(whole.first, whole.second);
+    if (!atlas) {
+      const auto is_of_it = [&](const auto& use) { return use.first.first == key; };
+      refuse(whole.second, std::find_if_not(whole.second, run.uses.end(), is_of_it));
+    } else if (!atlas->empty()) {
+      const auto same = run.uses.equal_range({key, atlas});
+      refuse(same.first, same.second);
+    }
   }
 }
 
-void Enter(Run& run, std::vector<Key> keys, const Use& use) {
-  for (Key& key : keys) run.uses.emplace(std::move(key), use);
+// What lies beside a store is its, whichever atlas of it is meant: it is entered once.
+void Enter(Run& run, const std::string& path, const AtlasName& atlas, bool output) {
+  const std::vector<Key> keys = KeysOf(path);
+  const Use use{.said = Said(path, atlas), .output = output};
+  for (const Key& key : keys) run.uses.emplace(std::pair(key, atlas), use);
+  for (const Key& key : KeysBeside(path, atlas, keys))
+    if (const std::pair place(key, AtlasName("")); !run.uses.contains(place)) run.uses.emplace(place, use);
 }
 
 }  // namespace
@@ -166,17 +191,21 @@ bool IsSameFile(const std::string& path, const AtlasName& atlas, const std::stri
 void EnterInput(const std::string& path, const AtlasName& atlas) {
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);
-  if (run.keeps_inputs) Enter(run, KeysOf(path, atlas), {.said = Said(path, atlas), .atlas = atlas});
+  if (run.keeps_inputs) Enter(run, path, atlas, /*output=*/false);
 }
 
 void EnterRevision(const std::string& path, const std::string& atlas, const std::string& revision) {
+  if (revision == atlas) return;
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);
-  for (const Key& key : KeysOf(path, atlas)) {
-    const auto [first, last] = run.uses.equal_range(key);
-    for (auto use = first; use != last; ++use)
-      if (!use->second.output && use->second.atlas == atlas)
-        use->second = {.said = Said(path, revision), .atlas = revision};
+  for (const Key& key : KeysOf(path)) {
+    auto use = run.uses.lower_bound({key, atlas});
+    while (use != run.uses.end() && use->first == std::pair(key, AtlasName(atlas))) {
+      const auto entered = use++;
+      if (entered->second.output) continue;
+      run.uses.erase(entered);
+      run.uses.emplace(std::pair(key, AtlasName(revision)), Use{.said = Said(path, revision)});
+    }
   }
 }
 
@@ -191,7 +220,10 @@ void RefuseInput(const std::string& path, const AtlasName& atlas) {
 bool IsOfThisRun(const std::string& path) {
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);
-  return std::ranges::any_of(KeysOf(path), [&](const Key& key) { return run.uses.contains(key); });
+  return std::ranges::any_of(KeysOf(path), [&](const Key& key) {
+    const auto use = run.uses.lower_bound({key, std::nullopt});
+    return use != run.uses.end() && use->first.first == key;
+  });
 }
 
 void EnterOutput(const std::string& path, const AtlasName& atlas) {
@@ -200,15 +232,14 @@ void EnterOutput(const std::string& path, const AtlasName& atlas) {
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);
   if (!run.keeps_inputs) return;
-  std::vector<Key> keys = KeysOf(path, atlas);
-  Refuse(run, keys, path, atlas, /*outputs_too=*/true);
-  Enter(run, std::move(keys), {.said = Said(path, atlas), .atlas = atlas, .output = true});
+  Refuse(run, KeysOf(path, atlas), path, atlas, /*outputs_too=*/true);
+  Enter(run, path, atlas, /*output=*/true);
 }
 
 void EnterPlaced(const std::string& path) {
   Run& run = TheRun();
   const std::lock_guard lock(run.mutex);
-  if (run.keeps_inputs) Enter(run, KeysOf(path), {.said = path, .atlas = std::nullopt, .output = true});
+  if (run.keeps_inputs) Enter(run, path, std::nullopt, /*output=*/true);
 }
 
 }  // namespace slamdb::detail

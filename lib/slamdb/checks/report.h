@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <functional>
+#include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "slamdb/checks/check.h"
 #include "slamdb/export.h"
@@ -47,6 +51,30 @@ struct TextReportOptions {
 // `version` is the tool's own.
 [[nodiscard]] SLAMDB_EXPORT std::string SarifReport(std::span<const CheckedFile> files, const std::string& version,
                                                     bool with_notes = false);
+
+// The same reports of one file after the other, as they are checked: of a file nothing is kept but what the end tells.
+// Where that is the number and the verdict of each, a report of ten thousand files takes the memory of one.
+//
+// Throws what the sink throws.
+class SLAMDB_EXPORT CheckReporter {
+ public:
+  using Sink = std::function<void(std::string_view text)>;  // gets the report, piece by piece
+
+  virtual ~CheckReporter() = default;
+  virtual void Add(const CheckedFile& file) = 0;
+  virtual void End() = 0;  // once, behind the last file
+};
+[[nodiscard]] SLAMDB_EXPORT std::unique_ptr<CheckReporter> MakeTextReporter(CheckReporter::Sink sink,
+                                                                            const TextReportOptions& options = {});
+[[nodiscard]] SLAMDB_EXPORT std::unique_ptr<CheckReporter> MakeJsonReporter(CheckReporter::Sink sink);
+// Keeps its text to the end, in a file without a name where there is room for temporary files: its first line has sums.
+//
+// Throws Error (SystemError) when there is none.
+[[nodiscard]] SLAMDB_EXPORT std::unique_ptr<CheckReporter> MakeJUnitReporter(CheckReporter::Sink sink,
+                                                                             bool with_notes = false);
+[[nodiscard]] SLAMDB_EXPORT std::unique_ptr<CheckReporter> MakeSarifReporter(CheckReporter::Sink sink,
+                                                                             const std::string& version,
+                                                                             bool with_notes = false);
 
 // The catalogue of rules and gates for people, as JSON (schema/rules.schema.json), and as the tables of docs/checks.md.
 [[nodiscard]] SLAMDB_EXPORT std::string TextCatalogue();

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <limits>
+#include <utility>
+
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/detail/json_list.h"
 #include "slamdb/checks/detail/json.h"
 #include "slamdb/checks/report.h"
 
@@ -8,6 +13,8 @@ namespace {
 
 using detail::Json;
 using detail::JsonNumber;
+
+constexpr std::string_view kSubject = "ORB-SLAM3 ";  // of consequences
 
 Json PlaceJson(const Place& place) {
   Json json = Json::object();
@@ -25,7 +32,7 @@ Json ResultJson(const RuleResult& result) {
   json["rule"] = result.id;
   json["severity"] = ToString(result.severity);
   json["title"] = result.title;
-  if (!result.consequence.empty()) json["consequence"] = detail::Concat("ORB-SLAM3 ", result.consequence);
+  if (!result.consequence.empty()) json["consequence"] = detail::Concat(kSubject, result.consequence);
   if (!result.fix.empty()) json["fix"] = result.fix;
   json["count"] = result.count;
   json["findings"] = Json::array();
@@ -40,7 +47,81 @@ Json MeasuresJson(const AtlasStatistics& statistics) {
   return json;
 }
 
-Json FileJson(const CheckedFile& file) {
+template <class Entity>
+void TakeId(const Json& json, const char* key, Id<Entity>& id) {
+  if (json.contains(key)) id = Id<Entity>(detail::IntegerOf<std::uint64_t>(json[key]));
+}
+
+Place PlaceOf(const Json& json) {
+  Place place;
+  TakeId(json, "map", place.map);
+  TakeId(json, "keyframe", place.keyframe);
+  TakeId(json, "point", place.point);
+  TakeId(json, "camera", place.camera);
+  TakeId(json, "landmark", place.landmark);
+  place.feature = json.value("feature", std::int64_t{-1});
+  return place;
+}
+
+Severity SeverityOf(const std::string& word) {
+  for (const Severity severity : {Severity::kNote, Severity::kWarning, Severity::kError})
+    if (word == ToString(severity)) return severity;
+  throw Error(ErrorKind::kDamaged, detail::Concat("'", word, "' is no severity"));
+}
+
+RuleResult ResultOf(const Json& json) {
+  RuleResult result{.id = json.at("rule"),
+                    .severity = SeverityOf(json.at("severity")),
+                    .title = json.at("title"),
+                    .consequence = json.value("consequence", ""),
+                    .fix = json.value("fix", ""),
+                    .count = json.at("count"),
+                    .findings = {}};
+  if (result.consequence.starts_with(kSubject)) result.consequence.erase(0, kSubject.size());
+  for (const Json& finding : json.at("findings"))
+    result.findings.push_back({PlaceOf(finding.at("place")), finding.at("message")});
+  return result;
+}
+
+// Atlases of which the gates measure the same.
+AtlasStatistics StatisticsOf(const Json& measures) {
+  const auto number = [&](const char* name) {
+    const Json& measure = measures.at(name);
+    return measure.is_null() ? std::numeric_limits<double>::quiet_NaN() : measure.get<double>();
+  };
+  AtlasStatistics statistics;
+  statistics.maps.resize(std::max<std::size_t>(1, static_cast<std::size_t>(number("maps"))));
+  if (number("maps") > 0)
+    for (MapStatistics& map : statistics.maps) map.keyframes = 1;
+  statistics.keyframes = static_cast<std::uint64_t>(number("keyframes"));
+  statistics.points = static_cast<std::uint64_t>(number("points"));
+  statistics.trajectory_length = number("trajectory_length");
+  MapStatistics& first = statistics.maps.front();
+  first.components = static_cast<std::uint64_t>(number("components"));
+  first.end_time = number("duration_s");
+  first.observers = {.count = 1, .mean = number("observers_per_point")};
+  first.reprojection_error = {.count = 1, .mean = number("reprojection_error_px")};
+  return statistics;
+}
+
+class JsonReporter : public CheckReporter {
+ public:
+  explicit JsonReporter(Sink sink) : inputs_(detail::ReportHead("check"), "inputs", std::move(sink)) {}
+
+  void Add(const CheckedFile& file) override { inputs_.Add(detail::JsonOf(file)); }
+  void End() override { inputs_.End(); }
+
+ private:
+  detail::JsonListWriter inputs_;
+};
+
+}  // namespace
+
+Json detail::JsonOf(const Finding& finding) {
+  return {{"place", PlaceJson(finding.place)}, {"where", ToString(finding.place)}, {"message", finding.message}};
+}
+
+Json detail::JsonOf(const CheckedFile& file) {
   Json json;
   json["input"] = file.name;
   if (!file.failure.empty()) {
@@ -59,17 +140,25 @@ Json FileJson(const CheckedFile& file) {
   return json;
 }
 
-}  // namespace
+CheckedFile detail::CheckedFileOf(const Json& json) {
+  CheckedFile file{.name = json.at("input"), .report = {}, .failure = json.value("failure", ""), .file = {}};
+  if (!file.failure.empty()) return file;
+  for (const Json& result : json.at("results")) file.report.results.push_back(ResultOf(result));
+  json.at("checked").get_to(file.report.checked);
+  file.report.statistics = StatisticsOf(json.at("measures"));
+  return file;
+}
 
-Json detail::JsonOf(const Finding& finding) {
-  return {{"place", PlaceJson(finding.place)}, {"where", ToString(finding.place)}, {"message", finding.message}};
+std::unique_ptr<CheckReporter> MakeJsonReporter(CheckReporter::Sink sink) {
+  return std::make_unique<JsonReporter>(std::move(sink));
 }
 
 std::string ToJson(std::span<const CheckedFile> files) {
-  Json json = detail::ReportHead("check");
-  json["inputs"] = Json::array();
-  for (const CheckedFile& file : files) json["inputs"].push_back(FileJson(file));
-  return detail::JsonText(json);
+  std::string text;
+  JsonReporter reporter([&](std::string_view piece) { text += piece; });
+  for (const CheckedFile& file : files) reporter.Add(file);
+  reporter.End();
+  return text;
 }
 
 std::string JsonCatalogue() {
@@ -79,7 +168,7 @@ std::string JsonCatalogue() {
     Json entry{{"id", rule.id},
                {"severity", ToString(rule.severity)},
                {"title", rule.title},
-               {"consequence", detail::Concat("ORB-SLAM3 ", rule.consequence)}};
+               {"consequence", detail::Concat(kSubject, rule.consequence)}};
     if (rule.fix) entry["fix"] = rule.fix.name;
     json["rules"].push_back(std::move(entry));
   }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cstdio>
+#include <utility>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/base/error.h"
 #include "slamdb/checks/report.h"
 
 namespace slamdb {
@@ -111,21 +114,74 @@ void AppendSuite(const CheckedFile& file, bool with_notes, std::string& xml) {
   xml += "  </testsuite>\n";
 }
 
+// What is written now and read once, later: in a file that has no name.
+class Spool {
+ public:
+  Spool() : file_(std::tmpfile()) {
+    if (file_ == nullptr) throw SystemError(kPlace, "cannot be written to");
+  }
+  ~Spool() { std::fclose(file_); }
+  Spool(const Spool&) = delete;
+  Spool& operator=(const Spool&) = delete;
+
+  void Write(std::string_view text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size())
+      throw SystemError(kPlace, "cannot be written to");
+  }
+  void ReadAll(const CheckReporter::Sink& sink) {
+    if (std::fflush(file_) != 0) throw SystemError(kPlace, "cannot be written to");
+    std::rewind(file_);
+    std::string block(std::size_t{1} << 16, '\0');
+    while (const std::size_t bytes = std::fread(block.data(), 1, block.size(), file_))
+      sink(std::string_view(block.data(), bytes));
+    if (std::ferror(file_) != 0) throw SystemError(kPlace, "cannot be read");
+  }
+
+ private:
+  static constexpr const char* kPlace = "the folder of temporary files";
+  std::FILE* file_;
+};
+
+class JUnitReporter : public CheckReporter {
+ public:
+  JUnitReporter(Sink sink, bool with_notes) : sink_(std::move(sink)), with_notes_(with_notes) {}
+
+  void Add(const CheckedFile& file) override {
+    const bool read = file.failure.empty();
+    tests_ += read ? file.report.checked.size() : 1;
+    failures_ += FailedCases(file.report);
+    errors_ += read ? 0 : 1;
+    std::string suite;
+    AppendSuite(file, with_notes_, suite);
+    suites_.Write(suite);
+  }
+  void End() override {
+    sink_(detail::Concat("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites", Attribute("name", "slamdb check"),
+                         Attribute("tests", std::to_string(tests_)), Attribute("failures", std::to_string(failures_)),
+                         Attribute("errors", std::to_string(errors_)), ">\n"));
+    suites_.ReadAll(sink_);
+    sink_("</testsuites>\n");
+  }
+
+ private:
+  const Sink sink_;
+  const bool with_notes_;
+  std::size_t tests_ = 0, failures_ = 0, errors_ = 0;
+  Spool suites_;
+};
+
 }  // namespace
 
+std::unique_ptr<CheckReporter> MakeJUnitReporter(CheckReporter::Sink sink, bool with_notes) {
+  return std::make_unique<JUnitReporter>(std::move(sink), with_notes);
+}
+
 std::string JUnitReport(std::span<const CheckedFile> files, bool with_notes) {
-  std::size_t tests = 0, failures = 0, errors = 0;
-  std::string suites;
-  for (const CheckedFile& file : files) {
-    const bool read = file.failure.empty();
-    tests += read ? file.report.checked.size() : 1;
-    failures += FailedCases(file.report);
-    errors += read ? 0 : 1;
-    AppendSuite(file, with_notes, suites);
-  }
-  return detail::Concat("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites", Attribute("name", "slamdb check"),
-                        Attribute("tests", std::to_string(tests)), Attribute("failures", std::to_string(failures)),
-                        Attribute("errors", std::to_string(errors)), ">\n", suites, "</testsuites>\n");
+  std::string xml;
+  JUnitReporter reporter([&](std::string_view piece) { xml += piece; }, with_notes);
+  for (const CheckedFile& file : files) reporter.Add(file);
+  reporter.End();
+  return xml;
 }
 
 }  // namespace slamdb

@@ -3,6 +3,8 @@
 #include <array>
 #include <span>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/hash.h"
@@ -123,6 +125,9 @@ class SarifResults {
     worst_left_out_ = severity;
   }
 
+  // So many more, behind results that were left out.
+  void LeaveOut(std::uint64_t more) { left_out_ += more; }
+
   Json Take() {
     if (left_out_ > 0)
       Push(*first_left_out_, std::string(kTruncated), worst_left_out_, "atlas",
@@ -154,47 +159,102 @@ class SarifResults {
   Severity worst_left_out_ = Severity::kNote;
 };
 
-void AppendResults(const CheckedFile& file, Severity severity, SarifResults& results) {
-  for (const RuleResult& result : file.report.results) {
-    if (result.severity != severity) continue;
-    for (const Finding& finding : result.findings)
-      results.Add(file, result.id, severity, QualifiedName(finding.place),
-                  detail::Concat(ToString(finding.place), ": ", finding.message, "."));
-    if (result.count > result.findings.size())
-      results.Add(file, result.id, severity, "atlas",
-                  detail::Concat(std::to_string(result.count - result.findings.size()), " more findings of rule ",
-                                 result.id, " are not listed."));
+// A result that is yet to find its place.
+struct Waiting {
+  CheckedFile file;  // its names
+  std::string rule, where, message;
+};
+
+// Of each severity as many as a report can have; the others are counted.
+class SarifReporter : public CheckReporter {
+ public:
+  SarifReporter(Sink sink, std::string version, bool with_notes)
+      : sink_(std::move(sink)), version_(std::move(version)), with_notes_(with_notes) {}
+
+  void Add(const CheckedFile& file) override {
+    if (!file.failure.empty()) return AddUnreadable(file);
+    for (const RuleResult& result : file.report.results) {
+      if (result.severity == Severity::kNote && !with_notes_) continue;
+      for (const Finding& finding : result.findings)
+        Add(file, result.id, result.severity, QualifiedName(finding.place),
+            detail::Concat(ToString(finding.place), ": ", finding.message, "."));
+      if (result.count > result.findings.size())
+        Add(file, result.id, result.severity, "atlas",
+            detail::Concat(std::to_string(result.count - result.findings.size()), " more findings of rule ", result.id,
+                           " are not listed."));
+    }
   }
-}
+  void End() override {
+    const Json driver{{"name", "slamdb"}, {"semanticVersion", version_}, {"rules", RulesJson()}};
+    Json run;
+    run["tool"] = {{"driver", driver}};
+    run["invocations"] = Json::array(
+        {{{"executionSuccessful", notifications_.empty()}, {"toolExecutionNotifications", notifications_}}});
+    run["columnKind"] = "unicodeCodePoints";
+    run["results"] = WorstFirst();
+    Json sarif;
+    sarif["$schema"] = kSchema;
+    sarif["version"] = "2.1.0";
+    sarif["runs"] = Json::array({run});
+    sink_(detail::JsonText(sarif));
+  }
+
+ private:
+  struct OfSeverity {
+    std::vector<Waiting> first;
+    std::uint64_t others = 0;
+  };
+
+  void Add(const CheckedFile& file, const std::string& rule, Severity severity, std::string where,
+           std::string message) {
+    OfSeverity& of = of_[static_cast<std::size_t>(severity)];
+    if (of.first.size() == kMostResults)
+      ++of.others;
+    else
+      of.first.push_back({{.name = file.name, .report = {}, .failure = {}, .file = file.file},
+                          rule,
+                          std::move(where),
+                          std::move(message)});
+  }
+  // Of many they would be a report of their own: as many as there are results.
+  void AddUnreadable(const CheckedFile& file) {
+    Add(file, std::string(kUnreadable), Severity::kError, "atlas",
+        detail::Concat("cannot be read: ", file.failure, "."));
+    if (notifications_.size() < kMostResults)
+      notifications_.push_back({{"level", "error"},
+                                {"message", {{"text", file.failure}}},
+                                {"locations", {{{"physicalLocation", PhysicalJson(file)}}}}});
+  }
+  Json WorstFirst() const {
+    SarifResults results;
+    for (const Severity severity : {Severity::kError, Severity::kWarning, Severity::kNote}) {
+      const OfSeverity& of = of_[static_cast<std::size_t>(severity)];
+      for (const Waiting& each : of.first) results.Add(each.file, each.rule, severity, each.where, each.message);
+      results.LeaveOut(of.others);
+    }
+    return results.Take();
+  }
+
+  const Sink sink_;
+  const std::string version_;
+  const bool with_notes_;
+  std::array<OfSeverity, 3> of_;
+  Json notifications_ = Json::array();
+};
 
 }  // namespace
 
+std::unique_ptr<CheckReporter> MakeSarifReporter(CheckReporter::Sink sink, const std::string& version,
+                                                 bool with_notes) {
+  return std::make_unique<SarifReporter>(std::move(sink), version, with_notes);
+}
+
 std::string SarifReport(std::span<const CheckedFile> files, const std::string& version, bool with_notes) {
-  SarifResults results;
-  Json notifications = Json::array();
-  for (const CheckedFile& file : files) {
-    if (file.failure.empty()) continue;
-    results.Add(file, std::string(kUnreadable), Severity::kError, "atlas",
-                detail::Concat("cannot be read: ", file.failure, "."));
-    notifications.push_back({{"level", "error"},
-                             {"message", {{"text", file.failure}}},
-                             {"locations", {{{"physicalLocation", PhysicalJson(file)}}}}});
-  }
-  for (const Severity severity : {Severity::kError, Severity::kWarning, Severity::kNote})
-    if (severity != Severity::kNote || with_notes)
-      for (const CheckedFile& file : files) AppendResults(file, severity, results);
-  const Json driver{{"name", "slamdb"}, {"semanticVersion", version}, {"rules", RulesJson()}};
-  Json run;
-  run["tool"] = {{"driver", driver}};
-  run["invocations"] =
-      Json::array({{{"executionSuccessful", notifications.empty()}, {"toolExecutionNotifications", notifications}}});
-  run["columnKind"] = "unicodeCodePoints";
-  run["results"] = results.Take();
-  Json sarif;
-  sarif["$schema"] = kSchema;
-  sarif["version"] = "2.1.0";
-  sarif["runs"] = Json::array({run});
-  return detail::JsonText(sarif);
+  std::string text;
+  SarifReporter reporter([&](std::string_view piece) { text += piece; }, version, with_notes);
+  for (const CheckedFile& file : files) reporter.Add(file);
+  reporter.End();
+  return text;
 }
 
 }  // namespace slamdb

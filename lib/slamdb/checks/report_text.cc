@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/visible.h"
@@ -54,19 +55,39 @@ bool IsBroken(const CheckedFile& file) {
 
 bool IsSound(const CheckedFile& file) { return file.failure.empty() && file.report.ok(); }
 
-// How many files failed, and which.
-std::string Summary(std::span<const CheckedFile> files) {
-  const auto sound = static_cast<std::size_t>(std::ranges::count_if(files, IsSound));
-  const auto unreadable = static_cast<std::size_t>(
-      std::ranges::count_if(files, [](const CheckedFile& file) { return !file.failure.empty(); }));
-  std::string text = detail::Concat(detail::Thousands(files.size()), " atlases: ", detail::Thousands(sound), " sound, ",
-                                    detail::Thousands(files.size() - sound - unreadable), " not sound");
-  if (unreadable > 0) text += detail::Concat(", ", detail::Thousands(unreadable), " not readable");
-  text += "\n";
-  for (const CheckedFile& file : files)
-    if (!IsSound(file)) text += detail::Concat("  ", detail::Visible(file.name), ": ", Verdict(file), "\n");
-  return text;
-}
+class TextReporter : public CheckReporter {
+ public:
+  TextReporter(Sink sink, const TextReportOptions& options) : sink_(std::move(sink)), options_(options) {}
+
+  void Add(const CheckedFile& file) override {
+    ++files_;
+    if (!file.failure.empty()) ++unreadable_;
+    if (IsSound(file))
+      ++sound_;
+    else
+      failed_ += detail::Concat("  ", detail::Visible(file.name), ": ", Verdict(file), "\n");
+    if (options_.only_broken && !IsBroken(file)) return;
+    std::string text = told_ ? "\n" : "";
+    AppendFile(file, options_, text);
+    sink_(text);
+    told_ = true;
+  }
+  // Of several, how many failed, and which.
+  void End() override {
+    if (files_ < 2 || (options_.only_broken && !told_)) return;
+    std::string text = detail::Concat("\n", detail::Thousands(files_), " atlases: ", detail::Thousands(sound_),
+                                      " sound, ", detail::Thousands(files_ - sound_ - unreadable_), " not sound");
+    if (unreadable_ > 0) text += detail::Concat(", ", detail::Thousands(unreadable_), " not readable");
+    sink_(detail::Concat(text, "\n", failed_));
+  }
+
+ private:
+  const Sink sink_;
+  const TextReportOptions options_;
+  std::size_t files_ = 0, sound_ = 0, unreadable_ = 0;
+  bool told_ = false;
+  std::string failed_;  // a line for each
+};
 
 }  // namespace
 
@@ -77,15 +98,16 @@ std::string Verdict(const CheckedFile& file) {
   return totals.empty() ? "sound" : "sound, " + totals;
 }
 
+std::unique_ptr<CheckReporter> MakeTextReporter(CheckReporter::Sink sink, const TextReportOptions& options) {
+  return std::make_unique<TextReporter>(std::move(sink), options);
+}
+
 std::string TextReport(std::span<const CheckedFile> files, const TextReportOptions& options) {
   std::string text;
-  for (const CheckedFile& file : files) {
-    if (options.only_broken && !IsBroken(file)) continue;
-    if (!text.empty()) text += "\n";
-    AppendFile(file, options, text);
-  }
-  if (files.size() < 2 || (options.only_broken && text.empty())) return text;
-  return text + "\n" + Summary(files);
+  TextReporter reporter([&](std::string_view piece) { text += piece; }, options);
+  for (const CheckedFile& file : files) reporter.Add(file);
+  reporter.End();
+  return text;
 }
 
 std::string TextCatalogue() {

@@ -33,13 +33,21 @@ struct Loaded {
   Atlas atlas;
 };
 
-// What the store holds by now: hashes by name.
-using Held = std::map<std::string, std::uint64_t>;
+// What the store holds by now.
+struct Held {
+  std::map<std::string, std::uint64_t> hashes;  // by name
+  detail::HeldNames names;
+
+  void Add(const std::string& name, std::uint64_t hash) {
+    hashes[name] = hash;
+    names.Add(name);
+  }
+};
 
 Held HashesIn(const std::string& store, double lock_timeout) {
   Held held;
   if (Store::IsYetToBeMade(store, lock_timeout)) return held;
-  for (const StoredAtlas& atlas : Store::Open(store, lock_timeout).List()) held[atlas.name] = atlas.hash;
+  for (const StoredAtlas& atlas : Store::Open(store, lock_timeout).List()) held.Add(atlas.name, atlas.hash);
   return held;
 }
 
@@ -69,11 +77,11 @@ class Adder {
       for (std::size_t i = report_.atlases.size(); i < inputs_.size(); ++i)
         report_.atlases.push_back(
             {.input = inputs_[i].location.ToString(), .name = names_[i].name, .result = AddResult::kNotTried});
-      report_.in_store = held_.size();
+      report_.in_store = held_.hashes.size();
       if (options_.on_stopped) options_.on_stopped(report_);
       throw;
     }
-    report_.in_store = store_ ? store_->Names().size() : held_.size();  // others may have added some meanwhile
+    report_.in_store = store_ ? store_->Names().size() : held_.hashes.size();  // others may have added some meanwhile
     return std::move(report_);
   }
 
@@ -115,7 +123,7 @@ class Adder {
       read.of<Orbslam3ReadOptions>().layout = options_.layout;
       loaded.atlas = ReadAtlas(input.location, read, &outcome.notices);
       outcome.summary = Summarize(loaded.atlas);
-      if (options_.dry_run || before_.contains(outcome.name) || !DerivedNamesIn(before_, names_[i]).empty())
+      if (options_.dry_run || before_.hashes.contains(outcome.name) || !before_.names.DerivedOf(names_[i]).empty())
         outcome.hash = HashOf(loaded.atlas, read.threads);
     } catch (const Error& error) {
       outcome.failure = error.what();
@@ -128,9 +136,9 @@ class Adder {
     KeepNameInStore(i, loaded);
     if (const std::string_view lacks = SubstanceOf(loaded.atlas, /*with_bad=*/true).Lacks(); !lacks.empty())
       outcome.notices.Warn(Concat(outcome.input, ": holds no ", lacks));
-    const bool taken = held_.contains(outcome.name);
+    const bool taken = held_.hashes.contains(outcome.name);
     if (taken && outcome.hash == 0) outcome.hash = HashOf(loaded.atlas, options_.threads);
-    if (taken && held_[outcome.name] == outcome.hash)
+    if (taken && held_.hashes[outcome.name] == outcome.hash)
       outcome.result = AddResult::kUnchanged;
     else if (outcome.failure = ProblemOf(outcome, taken); !outcome.failure.empty())
       return;
@@ -139,17 +147,17 @@ class Adder {
     else
       Save(i, loaded);
     if (!outcome.failure.empty()) return;
-    held_[outcome.name] = outcome.hash;
+    held_.Add(outcome.name, outcome.hash);
     mine_.insert(outcome.name);
   }
 
   // Under which it is held as it is, though it would be called otherwise today: names depend on what else is there.
   void KeepNameInStore(std::size_t i, Loaded& loaded) {
     AddedAtlas& outcome = loaded.outcome;
-    const std::vector<std::string> names = DerivedNamesIn(held_, names_[i]);
+    const std::vector<std::string> names = held_.names.DerivedOf(names_[i]);
     if (!names.empty() && outcome.hash == 0) outcome.hash = HashOf(loaded.atlas, options_.threads);
-    const auto is_it = [&](const std::string& name) { return held_.at(name) == outcome.hash; };
-    const bool as_today = held_.contains(outcome.name) && is_it(outcome.name);
+    const auto is_it = [&](const std::string& name) { return held_.hashes.at(name) == outcome.hash; };
+    const bool as_today = held_.hashes.contains(outcome.name) && is_it(outcome.name);
     const auto same = std::ranges::find_if(names, is_it);
     if (!as_today && same != names.end()) outcome.name = *same;
     if (outcome.name != names_[i].name)

@@ -152,7 +152,8 @@ class Conversion {
     const PutPosesReport put = PutPoses(atlas, found, places);
     into = {.keyframes = put.keyframes, .points = put.points, .largest_shift = put.largest_shift};
     notices_.Note(Concat("put ", Counted(put.keyframes, "pose"), " and ", Counted(put.points, "point"), " into ",
-                         Location(options_.onto).ToString(), "; the largest shift of a camera is ", detail::Digits(put.largest_shift, 3)));
+                         Location(options_.onto).ToString(), "; the largest shift of a camera is ",
+                         detail::Digits(put.largest_shift, 3)));
     for (const std::string& warning : put.warnings) notices_.Warn(warning);
     for (const std::string& loss : put.losses) notices_.Lose(loss);
     return atlas;

@@ -2,6 +2,7 @@
 #include "slamdb/many/each.h"
 
 #include <algorithm>
+#include <condition_variable>
 #include <mutex>
 #include <numeric>
 #include <string_view>
@@ -34,6 +35,42 @@ class Done {
   std::size_t done_ = 0;
 };
 
+// Lets rows through in their order, and keeps who is far ahead waiting.
+class Order {
+ public:
+  Order(const std::function<void(std::size_t row)>& take, std::size_t most) : take_(take), done_(most) {}
+
+  // False: another row has failed, and there is nothing to do any more.
+  bool Begin(std::size_t row) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return failed_ || row < next_ + done_.size(); });
+    return !failed_;
+  }
+  void End(std::size_t row) {
+    const std::lock_guard lock(mutex_);
+    done_[row % done_.size()] = 1;
+    for (std::uint8_t* done = &done_[next_ % done_.size()]; *done != 0 && !failed_;
+         done = &done_[next_ % done_.size()]) {
+      *done = 0;
+      take_(next_++);
+    }
+    changed_.notify_all();
+  }
+  void Fail() {
+    const std::lock_guard lock(mutex_);
+    failed_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  const std::function<void(std::size_t row)>& take_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t next_ = 0;
+  std::vector<std::uint8_t> done_;  // rows from next_ on, in a ring
+  bool failed_ = false;
+};
+
 }  // namespace
 
 void ForEachRow(std::size_t count, const ReadOptions& read,
@@ -47,6 +84,23 @@ void ForEachRow(std::size_t count, const ReadOptions& read,
     for (std::size_t row = begin; row < end; ++row) {
       work(row, own);
       done.Tell(1);
+    }
+  });
+}
+
+void ForEachRow(std::size_t count, const ReadOptions& read,
+                const std::function<void(std::size_t row, const ReadOptions& read)>& work,
+                const std::function<void(std::size_t row)>& take) {
+  constexpr std::size_t kAhead = 16;  // rows for each thread
+  Order order(take, kAhead * static_cast<std::size_t>(detail::ThreadCount(read.threads)));
+  ForEachRow(count, read, [&](std::size_t row, const ReadOptions& own) {
+    if (!order.Begin(row)) return;
+    try {
+      work(row, own);
+      order.End(row);
+    } catch (...) {
+      order.Fail();
+      throw;
     }
   });
 }

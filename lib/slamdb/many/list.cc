@@ -24,15 +24,19 @@ namespace {
 // What a store tells of its atlases, and which of them match; both by name.
 struct StoreRows {
   std::vector<StoredAtlas> atlases;
-  std::optional<std::vector<std::string>> matching;  // none: all do
-  std::vector<std::string> unsearched;               // whether these match, their server does not say
+  std::optional<std::vector<std::string>> matching, matching_stored;  // the queries of maps, of atlases; none: all do
+  std::vector<std::string> unsearched;                                // whether these match, their server does not say
   std::string failure;
 
   const StoredAtlas* Find(const std::string& name) const {
     const auto found = std::ranges::lower_bound(atlases, name, {}, &StoredAtlas::name);
     return found != atlases.end() && found->name == name ? &*found : nullptr;
   }
-  bool Matches(const std::string& name) const { return !matching || std::ranges::binary_search(*matching, name); }
+  // What a row tells that cannot be may hide that it matches.
+  bool Matches(const StoredAtlas& atlas) const {
+    const auto is_among = [&](const auto& names) { return !names || std::ranges::binary_search(*names, atlas.name); };
+    return is_among(matching) && (is_among(matching_stored) || !atlas.problem.empty());
+  }
 };
 
 using Stores = std::map<std::string, StoreRows>;
@@ -43,10 +47,12 @@ StoreRows ReadStore(const std::string& path, const ListOptions& options) {
     Store store = Store::Open(path, options.lock_timeout);
     rows.atlases = store.List();
     if (!options.query.everything()) rows.matching = store.Find(options.query, &rows.unsearched);
+    if (!options.stored.everything()) rows.matching_stored = store.Find(options.stored);
     // A damaged index may tell them in another order.
     if (!std::ranges::is_sorted(rows.atlases, {}, &StoredAtlas::name))
       std::ranges::sort(rows.atlases, {}, &StoredAtlas::name);
-    if (rows.matching) std::ranges::sort(*rows.matching);
+    for (auto* names : {&rows.matching, &rows.matching_stored})
+      if (*names) std::ranges::sort(**names);
   } catch (const Error& error) {
     rows.failure = error.what();
   }
@@ -78,6 +84,41 @@ void DescribeFile(const std::string& path, ListedAtlas& atlas) {
   if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
   atlas.bytes = static_cast<std::uint64_t>(status.st_size);
   atlas.saved_at = detail::DateTimeText(static_cast<double>(status.st_mtime)).value_or("");
+}
+
+double ValueOf(const ListedAtlas& atlas, AtlasQuery::Number number) {
+  const AtlasSummary& summary = atlas.summary;
+  using enum AtlasQuery::Number;
+  switch (number) {
+    case kMaps:
+      return static_cast<double>(summary.maps);
+    case kKeyframes:
+      return static_cast<double>(summary.keyframes);
+    case kPoints:
+      return static_cast<double>(summary.points);
+    case kObservations:
+      return static_cast<double>(summary.observations);
+    case kLandmarks:
+      return static_cast<double>(summary.landmarks);
+    case kLength:
+      return summary.trajectory_length;
+    case kDuration:
+      return summary.duration;
+    case kBytes:
+      return static_cast<double>(atlas.bytes.value_or(0));
+    case kRevision:
+      return 0;
+  }
+  return 0;
+}
+
+// Nobody has recorded who saved a file.
+bool MatchesAsFile(const ListedAtlas& atlas, const AtlasQuery& query) {
+  const auto holds = [&](const AtlasQuery::Range& range) {
+    const double value = ValueOf(atlas, range.number);
+    return value >= range.low && value <= range.high;
+  };
+  return query.who.empty() && query.provenance.empty() && query.tag.empty() && std::ranges::all_of(query.ranges, holds);
 }
 
 void Check(const Atlas& atlas, CheckOptions options, int threads, ListedAtlas& listed) {
@@ -126,7 +167,7 @@ class Lister {
     if (std::ranges::binary_search(store.unsearched, input.location.name))
       throw Error(ErrorKind::kLocked, atlas.input, "",
                   "was not searched: the server that has it does not answer; 'slamdb fleet status' tells more");
-    if (!store.Matches(input.location.name)) return false;
+    if (!store.Matches(*stored)) return false;
     Describe(*stored, atlas);
     if (!stored->problem.empty()) {
       atlas.bytes.reset();  // which the same row tells
@@ -146,6 +187,7 @@ class Lister {
     const Atlas whole = ReadAtlas(held, read);
     if (!Matches(whole, options_.query)) return false;
     atlas.summary = Summarize(whole);
+    if (!MatchesAsFile(atlas, options_.stored)) return false;
     if (options_.check) Check(whole, *options_.check, read.threads, atlas);
     return true;
   }

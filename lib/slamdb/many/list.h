@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 #include "slamdb/base/progress.h"
 #include "slamdb/checks/check.h"
 #include "slamdb/export.h"
+#include "slamdb/formats/rows/atlas_query.h"
 #include "slamdb/many/inputs.h"
 #include "slamdb/model/map_query.h"
 #include "slamdb/model/summary.h"
@@ -41,6 +43,7 @@ struct ListedAtlas {
 
 struct ListOptions {
   MapQuery query;                     // only atlases that match, and those that cannot be read
+  AtlasQuery stored;                  // likewise; files have no revisions
   std::optional<CheckOptions> check;  // hold them against the rules, which reads them all
   std::string format;                 // of files, as ReadOptions::format
   std::string layout;                 // of .osa files, as Orbslam3ReadOptions::layout
@@ -77,6 +80,9 @@ enum class ListKey {
   kSaved,
   kVerdict,  // by errors, then warnings
 };
+// The number that AtlasQuery asks for; none for what is no number there.
+[[nodiscard]] SLAMDB_EXPORT std::optional<AtlasQuery::Number> NumberOf(ListKey key);
+
 struct SortKey {
   ListKey key = ListKey::kName;
   bool descending = false;
@@ -97,6 +103,10 @@ SLAMDB_EXPORT void SortAtlases(std::vector<ListedAtlas>& atlases, std::span<cons
 
 // As schema/list.schema.json describes it. `input` is what was listed, when that is one file, folder or store.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(std::span<const ListedAtlas> atlases, const std::string& input = {});
+
+// The same text, piece by piece, without all of it in memory. Throws what `sink` throws.
+SLAMDB_EXPORT void WriteJson(std::span<const ListedAtlas> atlases, const std::string& input,
+                             const std::function<void(std::string_view text)>& sink);
 
 // What that says of the content of an atlas: an object of its counts, sensors, length and times.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const AtlasSummary& summary);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/base/detail/hash.h"
-#include "slamdb/base/detail/json.h"
+#include "slamdb/base/detail/json_list.h"
 #include "slamdb/formats/info.h"
 #include "slamdb/many/list.h"
 
@@ -49,10 +49,16 @@ Json JsonOf(const ListedAtlas& atlas) {
 }  // namespace
 
 std::string ToJson(std::span<const ListedAtlas> atlases, const std::string& input) {
-  Json json = detail::ReportHead("list", input);
-  json["atlases"] = Json::array();
-  for (const ListedAtlas& atlas : atlases) json["atlases"].push_back(JsonOf(atlas));
-  return detail::JsonText(json);
+  std::string text;
+  WriteJson(atlases, input, [&](std::string_view piece) { text += piece; });
+  return text;
+}
+
+void WriteJson(std::span<const ListedAtlas> atlases, const std::string& input,
+               const std::function<void(std::string_view text)>& sink) {
+  detail::JsonListWriter list(detail::ReportHead("list", input), "atlases", sink);
+  for (const ListedAtlas& atlas : atlases) list.Add(JsonOf(atlas));
+  list.End();
 }
 
 std::string ToJson(const AtlasSummary& summary) {

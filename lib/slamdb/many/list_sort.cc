@@ -107,6 +107,32 @@ std::string_view NameOf(ListKey key) {
   return kWords[static_cast<std::size_t>(std::ranges::find(kKeys, key) - kKeys.begin())];
 }
 
+std::optional<AtlasQuery::Number> NumberOf(ListKey key) {
+  using enum AtlasQuery::Number;
+  switch (key) {
+    case ListKey::kMaps:
+      return kMaps;
+    case ListKey::kKeyframes:
+      return kKeyframes;
+    case ListKey::kPoints:
+      return kPoints;
+    case ListKey::kObservations:
+      return kObservations;
+    case ListKey::kLandmarks:
+      return kLandmarks;
+    case ListKey::kLength:
+      return kLength;
+    case ListKey::kSpan:
+      return kDuration;
+    case ListKey::kSize:
+      return kBytes;
+    case ListKey::kRevision:
+      return kRevision;
+    default:
+      return std::nullopt;
+  }
+}
+
 SortKey SortKeyOf(std::string_view word) {
   const bool descending = word.starts_with('-');
   const auto found = std::ranges::find(kWords, word.substr(descending ? 1 : 0));

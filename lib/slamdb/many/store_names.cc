@@ -91,11 +91,19 @@ std::string NameByPath(const AtlasInput& input) {
 
 }  // namespace
 
-bool IsNumbered(std::string_view name, std::string_view stem) {
-  if (!name.starts_with(stem)) return false;
-  name.remove_prefix(stem.size());
-  if (name.empty()) return true;
-  return name.size() > 1 && name[0] == '-' && name.find_first_not_of("0123456789", 1) == std::string_view::npos;
+void HeldNames::Add(const std::string& name) {
+  by_stem_[name].insert(name);
+  const std::size_t last = name.find_last_not_of("0123456789");
+  if (last != std::string::npos && last + 1 < name.size() && name[last] == '-')
+    by_stem_[name.substr(0, last)].insert(name);
+}
+
+std::vector<std::string> HeldNames::DerivedOf(const StoreName& name) const {
+  std::vector<std::string> found;
+  for (const std::string& stem : name.derived)
+    if (const auto names = by_stem_.find(stem); names != by_stem_.end())
+      found.insert(found.end(), names->second.begin(), names->second.end());
+  return found;
 }
 
 std::vector<StoreName> StoreNamesOf(const std::vector<AtlasInput>& inputs, const AddOptions& options) {

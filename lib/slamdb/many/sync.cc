@@ -90,9 +90,7 @@ class Syncer {
         first_(first, options),
         second_(second, options),
         names_(options.names.begin(), options.names.end()),
-        report_{.first = detail::WithoutPassword(first),
-                .second = detail::WithoutPassword(second),
-                .dry_run = options.dry_run} {
+        report_{.first = detail::WithoutPassword(first), .second = detail::WithoutPassword(second)} {
     if (detail::IsSameFile(first, std::nullopt, second, std::nullopt))
       throw Error(ErrorKind::kUsage, second, "", "is the store that it is to be compared with; name another one");
   }

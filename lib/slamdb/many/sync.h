@@ -44,8 +44,7 @@ struct SyncedAtlas {
 };
 
 struct SyncReport {
-  std::string first, second;  // the stores
-  bool dry_run = false;
+  std::string first, second;         // the stores
   std::vector<SyncedAtlas> atlases;  // by name, without those that are the same
   std::uint64_t same = 0;
 

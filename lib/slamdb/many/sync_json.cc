@@ -36,9 +36,7 @@ std::string_view NameOf(SyncResult result) {
 
 std::string ToJson(const SyncReport& report) {
   Json json = detail::ReportHead("sync");
-  json["first"] = report.first;
-  json["second"] = report.second;
-  json["dry_run"] = report.dry_run;
+  json["inputs"] = {{{"input", report.first}}, {{"input", report.second}}};
   json["atlases"] = Json::array();
   for (const SyncedAtlas& atlas : report.atlases) json["atlases"].push_back(JsonOf(atlas));
   for (const SyncResult result : {SyncResult::kSame, SyncResult::kCopied, SyncResult::kAhead, SyncResult::kDiverged,

@@ -271,6 +271,53 @@ TEST_P(StoreContract, FindsAtlasesAsTheModelDoes) {
   }
 }
 
+TEST_P(StoreContract, FindsAtlasesByWhatItTellsOfThem) {
+  const Atlas small = SynthesizeAtlas({.keyframes = 4, .points = 40, .features = 60});
+  const Atlas large = SynthesizeAtlas({.keyframes = 9, .points = 200, .features = 200, .seed = 2});
+  const auto save = [&](const std::string& name, const Atlas& atlas, std::uint64_t number, const std::string& who,
+                        const std::string& provenance) {
+    Save(atlas, name,
+         {.provenance = provenance,
+          .recorded = Recorded{.number = number, .at = "2026-11-20T08:00:00Z", .who = who, .tool = "slamdb 0"}});
+  };
+  save("a", small, 1, "anna@robot7", "convert monday.osa");
+  save("a", large, 2, "root@station", "merge lab [1] 100%_");
+  save("b", large, 1, "root@robot70", "convert tuesday.osa");
+  save("c", small, 1, "robot7@lab", "");
+  Store store = Writer();
+  store.Tag("a@1", "release");
+  store.Tag("b", "release-2");
+
+  const auto found = [&](const AtlasQuery& query) { return store.Find(query); };
+  using enum AtlasQuery::Number;
+  EXPECT_THAT(found({}), ElementsAre("a", "b", "c"));
+  EXPECT_THAT(found({.who = "robot7"}), ElementsAre("a", "c")) << "host or user, of any revision";
+  EXPECT_THAT(found({.who = "robot7*"}), ElementsAre("a", "b", "c"));
+  EXPECT_THAT(found({.who = "robot??"}), ElementsAre("b"));
+  EXPECT_THAT(found({.who = "*@robot7"}), ElementsAre("a"));
+  EXPECT_THAT(found({.who = "Robot7"}), IsEmpty());
+  EXPECT_THAT(found({.provenance = "convert"}), ElementsAre("a", "b")) << "a part";
+  EXPECT_THAT(found({.provenance = "convert m*"}), ElementsAre("a"));
+  EXPECT_THAT(found({.provenance = "[1] 100%_"}), ElementsAre("a")) << "letters that mean something to databases";
+  EXPECT_THAT(found({.provenance = "[0-9]"}), IsEmpty());
+  EXPECT_THAT(found({.provenance = "1__%"}), IsEmpty());
+  EXPECT_THAT(found({.provenance = "' OR 1 = 1 --"}), IsEmpty());
+  EXPECT_THAT(found({.tag = "release"}), ElementsAre("a"));
+  EXPECT_THAT(found({.tag = "release*"}), ElementsAre("a", "b"));
+  EXPECT_THAT(found({.who = "anna", .tag = "release"}), ElementsAre("a"));
+  EXPECT_THAT(found({.who = "root", .tag = "release"}), IsEmpty()) << "another revision";
+  EXPECT_THAT(found({.ranges = {{kKeyframes, 9}}}), ElementsAre("a", "b"));
+  EXPECT_THAT(found({.ranges = {{kKeyframes, 4, 4}}}), ElementsAre("c"));
+  EXPECT_THAT(found({.ranges = {{.number = kPoints, .high = 39.5}}}), IsEmpty());
+  EXPECT_THAT(found({.ranges = {{kRevision, 2}, {kMaps, 1, 1}}}), ElementsAre("a"));
+  EXPECT_THAT(found({.ranges = {{kRevision, 2}}, .who = "robot70"}), IsEmpty());
+  const double length = store.List()[2].trajectory_length;
+  EXPECT_THAT(found({.ranges = {{kLength, length, length}}}), ElementsAre("c"));
+  for (const auto number :
+       {kMaps, kKeyframes, kPoints, kObservations, kLandmarks, kLength, kDuration, kBytes, kRevision})
+    EXPECT_THAT(found({.ranges = {{number, 0}}}), ElementsAre("a", "b", "c"));
+}
+
 TEST_P(StoreContract, ListsAsTheAtlasIs) {
   const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
   Save(atlas);
@@ -391,7 +438,8 @@ TEST_P(StoreContract, AnAtlasThatMovesKeepsItsHashAndItsBytes) {
 }
 
 TEST_P(StoreContract, RefusesWhatAReaderMayNotDoAndWhatMeansNothing) {
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), ::testing::AnyOf(HasSubstr("no such file"), HasSubstr("holds no store yet")));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }),
+              ::testing::AnyOf(HasSubstr("no such file"), HasSubstr("holds no store yet")));
   Save(SoundAtlas());
   Store reader = Store::Open(path_);
   EXPECT_THAT(ErrorOf([&] { reader.Save("b", Atlas{}); }), HasSubstr("opened for reading"));

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <memory>
 #include <stdexcept>
@@ -13,6 +14,8 @@
 #include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/store/store.h"
 #include "slamdb/model/digest.h"
+#include "slamdb/model/picture_features.h"
+#include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/store/atlases.h"
 #include "tests/support/postgresql_server.h"
 
@@ -231,6 +234,63 @@ TEST_F(StoreOnServer, WhatKeyframesLookLikeComesBackWithASaveOfWhatIsThere) {
   Sql("DELETE FROM slamdb.keyframe_words");
   EXPECT_TRUE(Store::OpenForWriting(uri_).Save("a", first_).unchanged);
   EXPECT_EQ(Sql("SELECT count(*) FROM slamdb.keyframe_words"), words);
+}
+
+TEST_F(StoreOnServer, PlacesAreThoseOfTheNewestRevision) {
+  const auto places = [&](const std::string& atlas) {
+    return Sql(
+        "SELECT string_agg(map || ' ' || number || ' ' || shown || ' ' || words, ',' ORDER BY map, number) FROM "
+        "slamdb.place JOIN slamdb.atlas ON atlas.row = place.atlas WHERE name = '" +
+        atlas + "'");
+  };
+  Atlas room = SynthesizeAtlas({.sensor = Sensor::kStereo, .keyframes = 20, .points = 300, .seed = 3, .threads = 1});
+  Store store = Store::OpenForWriting(uri_);
+  store.Save("a", room);
+  const std::string whole = places("a");
+  EXPECT_EQ(std::ranges::count(whole, ','), 2);  // eight, eight and four
+  EXPECT_EQ(Sql("SELECT count(*) FROM slamdb.place WHERE shown <> bit_count(words) OR shown = 0"), "0");
+  room.maps[0].keyframes.erase(room.maps[0].keyframes.begin() + 9);
+  store.Save("a", room);
+  store.Save("fresh", room);
+  EXPECT_NE(places("a"), whole);
+  EXPECT_EQ(places("a"), places("fresh"));
+  Sql("DELETE FROM slamdb.place");
+  EXPECT_TRUE(store.Save("a", room).unchanged);
+  EXPECT_NE(places("a"), "");
+  room.maps.clear();
+  store.Save("a", room);
+  EXPECT_EQ(places("a"), "");
+}
+
+// More than are fetched as a whole.
+TEST_F(StoreOnServer, OfManyAtlasesThoseThatKnowAPictureAreNamed) {
+  Store store = Store::OpenForWriting(uri_, {.sync = false});
+  const auto room = [](std::uint64_t seed) {
+    return SynthesizeAtlas(
+        {.sensor = Sensor::kStereo, .keyframes = 2, .points = 150, .features = 200, .seed = seed, .threads = 1});
+  };
+  for (std::uint64_t house = 0; house < 27; ++house) {
+    Atlas atlas = room(10 * house);
+    for (std::uint64_t i = 1; i < 10; ++i) {
+      atlas.maps.push_back(room(10 * house + i).maps[0]);
+      atlas.maps.back().id = MapId(i);
+    }
+    store.Save(detail::Concat("house", house), atlas);
+  }
+  const Atlas asked = room(217), other = room(270);
+  const auto descriptors_of = [](const Atlas& atlas) { return LeftDescriptors(atlas.maps[0].keyframes[0].features); };
+  std::vector<Descriptor> picture(descriptors_of(asked).begin(), descriptors_of(asked).end());
+  std::copy_n(descriptors_of(other).begin(), picture.size() / 3, picture.begin());
+  const std::span<const Descriptor> pictures[] = {picture, descriptors_of(other)};
+  const StoredPlaces places = store.PlacesLike(pictures);
+  ASSERT_FALSE(places.by_picture[0].empty());
+  EXPECT_EQ(places.by_picture[0][0].atlas, "house21");
+  EXPECT_EQ(places.by_picture[0][0].map, MapId(7));
+  EXPECT_EQ(places.by_picture[0][0].keyframe, asked.maps[0].keyframes[0].id);
+  for (const StoredPlace& place : places.by_picture[1]) EXPECT_LT(place.likeness, places.by_picture[0][0].likeness / 2);
+  EXPECT_THAT(places.unknown, ::testing::IsEmpty());
+  const StoredPlaces without = store.PlacesLike(pictures, {.without = {"house21"}});
+  for (const StoredPlace& place : without.by_picture[0]) EXPECT_NE(place.atlas, "house21");
 }
 
 TEST_F(StoreOnServer, GivingUpWaitsForOneAtlasAtATimeAsLongAsItIsTold) {

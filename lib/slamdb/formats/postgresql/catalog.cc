@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <variant>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/text.h"
@@ -12,6 +13,7 @@
 #include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
+#include "slamdb/formats/rows/detail/atlas_conditions.h"
 #include "slamdb/formats/rows/detail/summary_columns.h"
 
 namespace slamdb::postgresql {
@@ -92,6 +94,21 @@ class Conditions {
   std::string sql_;
   std::vector<Parameter> parameters_;
 };
+
+std::vector<std::string> FirstColumn(const Result& found) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < found.rows(); ++i) texts.emplace_back(found[i].Text(0));
+  return texts;
+}
+
+std::string LikeOf(std::string_view text) {
+  std::string pattern;
+  for (const char letter : text) {
+    if (letter == '%' || letter == '_' || letter == '\\') pattern += '\\';
+    pattern += letter == '*' ? '%' : letter == '?' ? '_' : letter;
+  }
+  return pattern;
+}
 
 // Of the columns from `column` on: who, revision, whether it can be read, what it is from, changes.
 void ReadRevision(const Row& row, std::size_t column, HistoryEntry& entry) {
@@ -224,9 +241,18 @@ std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& que
       connection.Query(Concat("SELECT name FROM atlas WHERE row IN (SELECT map.atlas FROM ", partition.Table("map"),
                               " WHERE map.until = 2147483647", conditions.sql(), ") ORDER BY name COLLATE \"C\""),
                        conditions.parameters(), "table map");
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < found.rows(); ++i) names.emplace_back(found[i].Text(0));
-  return names;
+  return FirstColumn(found);
+}
+
+std::vector<std::string> FindAtlases(Connection& connection, const AtlasQuery& query) {
+  const rows::AtlasConditions conditions =
+      rows::ConditionsOf(query, {.parameter = '$', .matches = "LIKE", .pattern = LikeOf});
+  std::vector<Parameter> parameters;
+  for (const auto& parameter : conditions.parameters)
+    std::visit([&](const auto& value) { parameters.emplace_back(value); }, parameter);
+  return FirstColumn(
+      connection.Query(Concat("SELECT name FROM atlas WHERE ", conditions.sql, " ORDER BY name COLLATE \"C\""),
+                       parameters, "table atlas"));
 }
 
 std::vector<HistoryEntry> ReadHistory(Connection& connection, const std::string& name) {

@@ -34,6 +34,12 @@ void AppendIntegers(std::string& out, std::span<const std::int32_t> values) {
   AppendIntegerArray(out, oid::kInt4, values);
 }
 
+std::string BitsText(Bytes bits) {
+  std::string text;
+  AppendBigEndian(text, static_cast<std::uint32_t>(8 * bits.size()));
+  return text.append(reinterpret_cast<const char*>(bits.data()), bits.size());
+}
+
 RowEncoder::RowEncoder(RowOrigin origin, std::vector<Type> types)
     : origin_(std::move(origin)), types_(std::move(types)), bytes_(kCopySignature) {
   constexpr std::uint32_t kFlags = 0, kExtension = 0;
@@ -111,6 +117,10 @@ void RowEncoder::Put(const Value& value) {
     return AppendField(bytes_, text->data(), text->size());
   }
   if (const auto* blob = std::get_if<Bytes>(&value)) {
+    if (type == Type::kBits) {
+      const std::string bits = BitsText(*blob);
+      return AppendField(bytes_, bits.data(), bits.size());
+    }
     if (type != Type::kBytea && !(type == Type::kUuid && blob->size() == kUuidSize)) ThrowMismatch();
     return AppendField(bytes_, blob->data(), blob->size());
   }

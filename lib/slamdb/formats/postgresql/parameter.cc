@@ -50,4 +50,6 @@ Parameter::Parameter(std::span<const Bytes> blobs)
     : Parameter(oid::kByteaArray, ArrayText(oid::kBytea, blobs), false) {}
 Parameter::Parameter(std::span<const Uuid> uuids) : Parameter(oid::kUuidArray, ArrayText(oid::kUuid, uuids), false) {}
 
+Parameter Parameter::Bits(Bytes bits) { return Parameter(oid::kBit, BitsText(bits), false); }
+
 }  // namespace slamdb::postgresql

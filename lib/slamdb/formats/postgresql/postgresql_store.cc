@@ -8,6 +8,7 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/run_files.h"
 #include "slamdb/formats/postgresql/detail/catalog.h"
+#include "slamdb/formats/postgresql/detail/find_places.h"
 #include "slamdb/formats/postgresql/detail/kept_connection.h"
 #include "slamdb/formats/postgresql/detail/load.h"
 #include "slamdb/formats/postgresql/detail/names.h"
@@ -15,7 +16,6 @@
 #include "slamdb/formats/postgresql/detail/save.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
-#include "slamdb/formats/rows/detail/place_table.h"
 #include "slamdb/formats/rows/detail/provenance.h"
 
 namespace slamdb::postgresql {
@@ -23,57 +23,9 @@ namespace {
 
 using detail::Concat;
 
-// What the keyframes of all atlases look like.
-class Places {
- public:
-  // Of a partition on another server, its own; else those of all. What it throws leaves it as it was.
-  void Read(Connection& connection, const Partition& partition = {}) {
-    connection.CopyOut(
-        Concat("SELECT atlas, map.row, name, id FROM ", partition.Table("map"),
-               " JOIN atlas ON atlas.row = map.atlas WHERE until = 2147483647 ORDER BY atlas, map.row"),
-        [&](const Row& row) {
-          const auto key = static_cast<std::int64_t>(maps_.size());
-          keys_[{row.Integer(0), row.Integer(1)}] = key;
-          maps_[key] = {std::string(row.Text(2)), MapId(static_cast<std::uint64_t>(row.Integer(3)))};
-        },
-        "table map");
-    const std::size_t before = keyframes_.size();
-    try {
-      ReadKeyframes(connection, partition);
-    } catch (...) {
-      keyframes_.resize(before);
-      throw;
-    }
-  }
-
-  StoredPlaces Find(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) && {
-    return rows::FindPlaces(maps_, std::move(keyframes_), pictures, options);
-  }
-
- private:
-  void ReadKeyframes(Connection& connection, const Partition& partition) {
-    connection.CopyOut(
-        Concat("SELECT keyframe.atlas, map, id, words FROM ", partition.Table("keyframe"), " LEFT JOIN ",
-               partition.Table("keyframe_words"),
-               " ON keyframe_words.atlas = keyframe.atlas AND keyframe_words.keyframe = row WHERE until = 2147483647 "
-               "ORDER BY keyframe.atlas, row"),
-        [&](const Row& row) { AddKeyframe(row); }, "table keyframe_words");
-  }
-  void AddKeyframe(const Row& row) {
-    const auto key = keys_.find({row.Integer(0), row.Integer(1)});
-    if (key == keys_.end()) return;
-    rows::PlaceKeyframe& keyframe = keyframes_.emplace_back(
-        rows::PlaceKeyframe{.map = key->second, .id = static_cast<std::uint64_t>(row.Integer(2))});
-    const Bytes words = row.Blob(3);
-    if (words.size() != sizeof(rows::PlaceWords)) return;
-    std::memcpy(keyframe.words.data(), words.data(), words.size());
-    keyframe.is_unknown = false;
-  }
-
-  std::map<std::int64_t, rows::PlaceMap> maps_;
-  std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> keys_;  // atlas and row of a map to its key in maps_
-  std::vector<rows::PlaceKeyframe> keyframes_;
-};
+bool IsRowSecurityActive(Connection& connection) {
+  return connection.Integer("SELECT row_security_active('slamdb.keyframe')") != 0;
+}
 
 class PostgresqlStore : public detail::StoreBackend {
   template <class Work>
@@ -96,16 +48,21 @@ class PostgresqlStore : public detail::StoreBackend {
     } catch (const Error& error) {
       if (failed == nullptr || connection_.is_lost() || !IsOfOtherServer(error)) throw;
     }
+    OfEach(work, *failed);
+  }
+  // Calls it for each partition.
+  template <class Work>
+  void OfEach(const Work& work, std::vector<std::string>& failed) {
     for (const Partition& partition : Reading([&] { return PartitionsOf(connection_); })) {
       try {
         Reading([&] { work(Partition{partition.number, true}); });  // also of its own server: by name
       } catch (const Error& error) {
         if (connection_.is_lost() || !IsOfOtherServer(error)) throw;
         const auto names = Reading([&] { return NamesIn(connection_, partition.number); });
-        failed->insert(failed->end(), names.begin(), names.end());
+        failed.insert(failed.end(), names.begin(), names.end());
       }
     }
-    std::ranges::sort(*failed);
+    std::ranges::sort(failed);
   }
 
  public:
@@ -113,7 +70,7 @@ class PostgresqlStore : public detail::StoreBackend {
       : kept_(uri, {.progress = options.progress}), connection_(*kept_), options_(options), writable_(writable) {
     writable ? MakeStore(connection_) : CheckIsStore(connection_);
     if (!writable) return;
-    connection_.set_has_row_security(connection_.Integer("SELECT row_security_active('slamdb.keyframe')") != 0);
+    connection_.set_has_row_security(IsRowSecurityActive(connection_));
   }
 
   const std::string& path() const override { return connection_.path(); }
@@ -132,6 +89,9 @@ class PostgresqlStore : public detail::StoreBackend {
     std::ranges::sort(found);
     return found;
   }
+  std::vector<std::string> Find(const AtlasQuery& query) override {
+    return Reading([&] { return FindAtlases(connection_, query); });
+  }
   std::vector<HistoryEntry> Log(const std::string& name) override {
     return Reading([&] { return ReadHistory(connection_, name); });
   }
@@ -145,10 +105,14 @@ class PostgresqlStore : public detail::StoreBackend {
     return Reading([&] { return ReadChains(connection_, query); });
   }
   StoredPlaces PlacesLike(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) override {
-    Places places;
+    PlaceFinder finder(pictures, options);
     std::vector<std::string> unsearched;
-    OfAll([&](const Partition& partition) { places.Read(connection_, partition); }, &unsearched);
-    StoredPlaces found = std::move(places).Find(pictures, options);
+    const auto read = [&](const Partition& partition) { finder.Read(connection_, partition); };
+    // Of a fleet each: asked for all at once, another server would send all that it has. But where rows are shown by
+    // project, nobody may name a partition.
+    const bool by_partition = Reading([&] { return IsFleet(connection_) && !IsRowSecurityActive(connection_); });
+    by_partition ? OfEach(read, unsearched) : OfAll(read, &unsearched);
+    StoredPlaces found = std::move(finder).Find();
     found.unknown.insert(found.unknown.end(), unsearched.begin(), unsearched.end());
     std::ranges::sort(found.unknown);
     return found;

@@ -66,6 +66,14 @@ std::string_view Row::Text(std::size_t column) const {
 
 Bytes Row::Blob(std::size_t column) const { return BytesOf(At(column)); }
 
+Bytes Row::Bits(std::size_t column) const {
+  const Bytes bytes = BytesOf(At(column));
+  constexpr std::size_t kCount = sizeof(std::uint32_t);
+  if (bytes.size() < kCount || BigEndian<std::uint32_t>(bytes.data()) != 8 * (bytes.size() - kCount))
+    ThrowDamaged(column, detail::Concat("expected bits, found ", bytes.size(), " bytes"));
+  return bytes.subspan(kCount);
+}
+
 Bytes Row::Elements(std::size_t column, std::uint32_t element, std::size_t element_size) const {
   const Field& field = At(column);
   if (field.size == Field::kNull) return {};

@@ -139,11 +139,6 @@ void AddRevision(SaveContext& context, const Atlas& atlas, std::int64_t hash, st
             row);
 }
 
-// They are in no hash: what somebody deleted comes back with every save.
-bool HasNoWords(SaveContext& context, const AtlasSummary& summary) {
-  return context.connection.Integer("SELECT count(*) FROM keyframe_words WHERE atlas = $1", {context.atlas}) !=
-         static_cast<std::int64_t>(summary.keyframes);
-}
 void SaveWordsAlone(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
   std::vector<std::int64_t> numbers;
   for (const rows::StoredMap& map : ReadStoredMaps(context)) numbers.push_back(map.row);
@@ -217,7 +212,7 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const std:
   if (report.unchanged) {
     context.revision = head.revision;
     rows::CountUnchanged(atlas, context.changes);
-    if (HasNoWords(context, summary)) SaveWordsAlone(context, atlas, hashes);
+    if (!HasAllWords(context, atlas)) SaveWordsAlone(context, atlas, hashes);
   } else {
     SaveAtlasRow(context, name, hash, summary);
     ++(context.is_new ? context.changes["atlas"].inserted : context.changes["atlas"].updated);

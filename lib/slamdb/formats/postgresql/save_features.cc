@@ -67,7 +67,7 @@ std::vector<Uuid> WritePictures(SaveContext& context, const std::vector<MapToSav
   const auto write = [&](std::size_t n, const std::string& bytes) {
     context.Report(100);
     if (!stored.insert(hashes[n]).second) return;
-    if (!copy) copy.emplace(context.connection, PictureTable().target, PictureTable().types, WayOf(context));
+    if (!copy) copy.emplace(context.connection, PictureTable().target, PictureTable().types, context.way());
     copy->Add(std::array<Value, 3>{context.atlas, Bytes(hashes[n]), std::as_bytes(std::span(bytes))});
   };
   detail::ProduceInOrder<std::string>(changed.size(), context.options.threads, pack, write);
@@ -90,7 +90,7 @@ void WriteFeatures(SaveContext& context, const std::vector<MapToSave>& maps, con
                    const ListPlaces& changed) {
   if (changed.empty()) return;
   const std::vector<Uuid> pictures = WritePictures(context, maps, changed);
-  CopyIn copy(context.connection, FeaturesTable().target, FeaturesTable().types, WayOf(context));
+  CopyIn copy(context.connection, FeaturesTable().target, FeaturesTable().types, context.way());
   detail::ByteWriter points;
   for (std::size_t n = 0; n < changed.size(); ++n) {
     const auto& [i, k] = changed[n];

@@ -77,7 +77,7 @@ void EndKeyframes(SaveContext& context, const std::vector<MapToSave>& maps, cons
 void WriteKeyframes(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
                     const ListPlaces& changed) {
   if (changed.empty()) return;
-  CopyIn copy(context.connection, KeyframeTable().target, KeyframeTable().types, WayOf(context));
+  CopyIn copy(context.connection, KeyframeTable().target, KeyframeTable().types, context.way());
   rows::KeyframeRow columns;
   CarriedColumn carried;
   std::vector<std::int64_t> ids;

@@ -8,7 +8,6 @@
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/postgresql/detail/save.h"
 #include "slamdb/formats/rows/detail/landmark_row.h"
-#include "slamdb/formats/rows/detail/place_words.h"
 
 namespace slamdb::postgresql {
 namespace {
@@ -38,37 +37,6 @@ StoredRow ReadStored(const Row& row) {
   return {row.Integer(0), row.Integer(1), row.Integer(2) != 0, row.Integer(3), row.Integer(4)};
 }
 
-// What the keyframes look like: of the newest revision alone.
-void WriteWords(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans) {
-  std::unordered_map<std::int64_t, std::int64_t> stored;  // row to hash
-  if (!context.is_new)
-    context.connection.CopyOut(
-        Concat("SELECT keyframe, hash FROM keyframe_words WHERE atlas = ", context.atlas),
-        [&](const Row& row) { stored[row.Integer(0)] = row.Integer(1); }, "table keyframe_words");
-  std::vector<std::int64_t> old;
-  std::vector<std::vector<std::size_t>> changed(maps.size());
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    for (std::size_t k = 0; k < plans[i].keyframes.entries.size(); ++k) {
-      const auto found = stored.find(plans[i].keyframes.entries[k].row);
-      const bool same = found != stored.end() && found->second == maps[i].hashes.features[k];
-      if (!same) changed[i].push_back(k);
-      if (same) stored.erase(found);
-    }
-  }
-  for (const auto& [row, hash] : stored) old.push_back(row);
-  if (!old.empty())
-    context.connection.Query("DELETE FROM keyframe_words WHERE atlas = $1 AND keyframe = ANY ($2)",
-                             {context.atlas, std::span<const std::int64_t>(old)}, "table keyframe_words");
-  CopyIn copy(context.connection, WordsTable().target, WordsTable().types, WayOf(context));
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    const std::vector<rows::PlaceWords> words = rows::PlaceWordsOf(maps[i].map, changed[i], context.options.threads);
-    for (std::size_t n = 0; n < words.size(); ++n)
-      copy.Add(std::array<Value, 4>{context.atlas, plans[i].keyframes.entries[changed[i][n]].row,
-                                    maps[i].hashes.features[changed[i][n]], std::as_bytes(std::span(words[n]))});
-  }
-  copy.Finish();
-}
-
 // ---- landmarks
 
 void SaveLandmarks(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans) {
@@ -90,7 +58,7 @@ void SaveLandmarks(SaveContext& context, const std::vector<MapToSave>& maps, con
   }
   EndRows(context, "landmark", ended);
   if (changed.empty()) return;
-  CopyIn copy(context.connection, LandmarkTable().target, LandmarkTable().types, WayOf(context));
+  CopyIn copy(context.connection, LandmarkTable().target, LandmarkTable().types, context.way());
   rows::LandmarkRow columns;
   for (const auto& [i, k] : changed) {
     const ListPlan::Entry& entry = plans[i].landmarks.entries[k];
@@ -170,12 +138,14 @@ std::vector<ListPlans> PlansOf(const std::vector<MapToSave>& maps) {
 std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSave>& maps) {
   std::vector<ListPlans> plans = PlansOf(maps);
   SaveKeyframes(context, maps, plans);
-  WriteWords(context, maps, plans);
+  SaveWords(context, maps, plans);
   SavePoints(context, maps, plans);
   SaveLandmarks(context, maps, plans);
   return plans;
 }
 
-void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps) { WriteWords(context, maps, PlansOf(maps)); }
+void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps) {
+  SaveWords(context, maps, PlansOf(maps), true);
+}
 
 }  // namespace slamdb::postgresql

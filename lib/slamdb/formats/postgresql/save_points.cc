@@ -81,7 +81,7 @@ void EndPoints(SaveContext& context, const std::vector<MapToSave>& maps, const s
 void WritePoints(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
                  const ListPlaces& changed) {
   if (changed.empty()) return;
-  CopyIn copy(context.connection, PointTable().target, PointTable().types, WayOf(context));
+  CopyIn copy(context.connection, PointTable().target, PointTable().types, context.way());
   rows::PointRow columns;
   CarriedColumn carried;
   std::vector<std::int64_t> seen_by;

@@ -17,7 +17,7 @@ constexpr std::int64_t kMakingLock = 0x534C4442;  // `SLDB`: held while the stor
 constexpr Versioned kVersioned[] = {{"camera", "position"}, {"map", "row"},       {"repeated_entry", "map"},
                                     {"keyframe", "row"},    {"map_point", "row"}, {"keyframe_features", "keyframe"},
                                     {"landmark", "row"}};
-constexpr std::string_view kUnversioned[] = {"picture", "keyframe_words"};
+constexpr std::string_view kUnversioned[] = {"picture", "keyframe_words", "place"};
 
 std::vector<Type> Types(std::initializer_list<std::pair<Type, int>> runs) {
   std::vector<Type> types;
@@ -68,6 +68,12 @@ std::string InNewest(std::int64_t atlas, std::string_view prefix) {
   return Concat(prefix, "atlas = ", atlas, " AND ", prefix, "until = ", kNewest);
 }
 
+std::string ListOf(const std::set<std::int64_t>& numbers) {
+  std::string list;
+  for (const std::int64_t number : numbers) list += Concat(list.empty() ? "" : ", ", number);
+  return list;
+}
+
 const Table& KeyframeTable() {
   static const Table table{
       "keyframe (row, map, atlas, id, unique_id, hash, links_hash, frame_id, timestamp, qw, qx, qy, qz, tx, ty, tz, "
@@ -107,6 +113,12 @@ const Table& PictureTable() {
 const Table& WordsTable() {
   static const Table table{"keyframe_words (atlas, keyframe, hash, words)",
                            Types({{Type::kInt8, 3}, {Type::kBytea, 1}})};
+  return table;
+}
+
+const Table& PlaceTable() {
+  static const Table table{"place (atlas, map, number, shown, words)",
+                           Types({{Type::kInt8, 2}, {Type::kInt4, 2}, {Type::kBits, 1}})};
   return table;
 }
 

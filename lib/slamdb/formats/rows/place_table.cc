@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -33,8 +34,9 @@ void ForEachWord(const PlaceWords& words, const Visit& visit) {
 
 class PlaceTable {
  public:
-  PlaceTable(const std::map<std::int64_t, PlaceMap>& maps, std::vector<PlaceKeyframe> keyframes)
-      : maps_(maps), keyframes_(std::move(keyframes)) {
+  PlaceTable(const std::map<std::int64_t, PlaceMap>& maps, std::vector<PlaceKeyframe> keyframes,
+             std::span<const PlaceWords> others)
+      : maps_(maps), keyframes_(std::move(keyframes)), others_(others) {
     std::ranges::stable_sort(keyframes_, [](const PlaceKeyframe& a, const PlaceKeyframe& b) {
       return a.map != b.map ? a.map < b.map : a.id < b.id;
     });
@@ -61,46 +63,61 @@ class PlaceTable {
       rarity_.push_back(static_cast<float>(-std::log(frequency)));
       share_.push_back(frequency / sum);
     }
-    for (const PlaceKeyframe& keyframe : keyframes_) {
-      counts_.push_back(0);
-      for (const std::uint64_t part : keyframe.words) counts_.back() += static_cast<std::uint32_t>(std::popcount(part));
-    }
   }
 
   // Pictures unlike those of real maps, as made ones are, have more in common with all of their kind: that tells
   // nothing.
-  void ForgetWhatAllHave(std::vector<float>& scores) const {
-    std::vector<float> sorted;
-    for (std::size_t i = 0; i < scores.size(); ++i)
-      if (counts_[i] > 0) sorted.push_back(scores[i]);
-    if (sorted.empty()) return;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    for (float& score : scores) score = std::max(0.0F, score - std::max(0.0F, *middle));
+  static void ForgetWhatAllHave(std::vector<float>& scores, std::vector<float> of_all) {
+    if (of_all.empty()) return;
+    const auto middle = of_all.begin() + static_cast<std::ptrdiff_t>(of_all.size() / 2);
+    std::nth_element(of_all.begin(), middle, of_all.end());
+    const float all_have = std::max(0.0F, *middle);
+    for (float& score : scores) score = std::max(0.0F, score - all_have);
   }
 
-  // By keyframe, by how many standard deviations it has more in common with the picture than one with as many words
-  // that has nothing to do with it.
-  std::vector<float> ScoresOf(const PlaceWords& picture) const {
-    double mean = 0, variance = 0;  // of a keyframe with one word
-    ForEachWord(picture, [&](std::size_t word) {
-      const auto rarity = static_cast<double>(rarity_[word]);
-      mean += rarity * share_[word];
-      variance += rarity * rarity * share_[word];
-    });
-    std::vector<float> scores(keyframes_.size(), 0);
-    if (!(variance > 0)) return scores;
-    for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-      const double count = counts_[i];
-      if (count == 0) continue;
-      PlaceWords both = picture;
-      for (std::size_t part = 0; part < both.size(); ++part) both[part] &= keyframes_[i].words[part];
-      float common = 0;
-      ForEachWord(both, [&](std::size_t word) { common += rarity_[word]; });
-      const double score = (static_cast<double>(common) - count * mean) / std::sqrt(count * variance);
-      scores[i] = static_cast<float>(score);
+  // What a keyframe and a picture have in common: by how many standard deviations it is more than one with as many
+  // words has that has nothing to do with it.
+  class Picture {
+   public:
+    Picture(const PlaceTable& table, const PlaceWords& words) : table_(table), words_(words) {
+      ForEachWord(words, [&](std::size_t word) {
+        const auto rarity = static_cast<double>(table.rarity_[word]);
+        mean_ += rarity * table.share_[word];
+        variance_ += rarity * rarity * table.share_[word];
+      });
     }
-    ForgetWhatAllHave(scores);
+    bool has_words() const { return variance_ > 0; }
+    // Nothing of a keyframe without words.
+    std::optional<float> ScoreOf(const PlaceWords& keyframe) const {
+      int words = 0;
+      for (const std::uint64_t part : keyframe) words += std::popcount(part);
+      if (words == 0) return std::nullopt;
+      PlaceWords both = words_;
+      for (std::size_t part = 0; part < both.size(); ++part) both[part] &= keyframe[part];
+      float common = 0;
+      ForEachWord(both, [&](std::size_t word) { common += table_.rarity_[word]; });
+      const double count = words;
+      return static_cast<float>((static_cast<double>(common) - count * mean_) / std::sqrt(count * variance_));
+    }
+
+   private:
+    const PlaceTable& table_;
+    PlaceWords words_;
+    double mean_ = 0, variance_ = 0;  // of a keyframe with one word
+  };
+
+  std::vector<float> ScoresOf(const PlaceWords& words) const {
+    const Picture picture(*this, words);
+    std::vector<float> scores(keyframes_.size(), 0), of_all;
+    if (!picture.has_words()) return scores;
+    for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+      const std::optional<float> score = picture.ScoreOf(keyframes_[i].words);
+      scores[i] = score.value_or(0);
+      if (score && others_.empty()) of_all.push_back(*score);
+    }
+    for (const PlaceWords& other : others_)
+      if (const std::optional<float> score = picture.ScoreOf(other)) of_all.push_back(*score);
+    ForgetWhatAllHave(scores, std::move(of_all));
     return scores;
   }
 
@@ -136,8 +153,8 @@ class PlaceTable {
 
   const std::map<std::int64_t, PlaceMap>& maps_;
   std::vector<PlaceKeyframe> keyframes_;  // by map and id
-  std::vector<std::uint32_t> counts_;     // of the words of each
-  std::vector<float> rarity_;             // by word
+  std::span<const PlaceWords> others_;
+  std::vector<float> rarity_;  // by word
   std::vector<double> share_;
 };
 
@@ -156,17 +173,17 @@ std::vector<std::string> UnknownIn(const std::map<std::int64_t, PlaceMap>& maps,
 }  // namespace
 
 StoredPlaces FindPlaces(const std::map<std::int64_t, PlaceMap>& maps, std::vector<PlaceKeyframe> keyframes,
-                        std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) {
+                        std::span<const PlaceWords> others, std::span<const PlaceWords> pictures,
+                        const PlaceOptions& options) {
   const std::set<std::string> without(options.without.begin(), options.without.end());
   std::erase_if(keyframes, [&](const PlaceKeyframe& keyframe) { return !maps.contains(keyframe.map); });
   StoredPlaces places{.by_picture = std::vector<std::vector<StoredPlace>>(pictures.size()),
                       .unknown = UnknownIn(maps, keyframes, without)};
   for (PlaceKeyframe& keyframe : keyframes)
     if (without.contains(maps.at(keyframe.map).atlas)) keyframe.words = {};
-  const PlaceTable table(maps, std::move(keyframes));
+  const PlaceTable table(maps, std::move(keyframes), others);
   detail::ParallelFor(pictures.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      places.by_picture[i] = table.PlacesLike(PlaceWordsOf(pictures[i]), options);
+    for (std::size_t i = begin; i < end; ++i) places.by_picture[i] = table.PlacesLike(pictures[i], options);
   });
   return places;
 }

@@ -103,4 +103,24 @@ std::vector<PlaceWords> PlaceWordsOf(const Map& map, std::span<const std::size_t
   return words;
 }
 
+std::vector<PlaceWords> PlaceWordsOf(std::span<const std::span<const Descriptor>> pictures, int threads) {
+  std::vector<PlaceWords> words(pictures.size());
+  detail::ParallelFor(pictures.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) words[i] = PlaceWordsOf(pictures[i]);
+  });
+  return words;
+}
+
+PlaceWords SharedWords(std::span<const PlaceWords> keyframes) {
+  if (keyframes.size() == 1) return keyframes[0];
+  PlaceWords once{}, twice{};
+  for (const PlaceWords& keyframe : keyframes) {
+    for (std::size_t part = 0; part < once.size(); ++part) {
+      twice[part] |= once[part] & keyframe[part];
+      once[part] |= keyframe[part];
+    }
+  }
+  return twice;
+}
+
 }  // namespace slamdb::rows

@@ -51,7 +51,8 @@ std::vector<PlaceKeyframe> ReadKeyframes(Database& database) {
 
 StoredPlaces FindPlaces(Database& database, std::span<const std::span<const Descriptor>> pictures,
                         const PlaceOptions& options) {
-  return rows::FindPlaces(ReadMaps(database), ReadKeyframes(database), pictures, options);
+  return rows::FindPlaces(ReadMaps(database), ReadKeyframes(database), {},
+                          rows::PlaceWordsOf(pictures, options.threads), options);
 }
 
 }  // namespace slamdb::sqlite

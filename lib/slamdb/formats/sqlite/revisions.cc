@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
+#include <tuple>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/sqlite/detail/pictures.h"
@@ -53,17 +55,31 @@ std::int64_t NumberIn(Database& database, const Named& newest, std::string_view 
   return select.Integer(0);
 }
 
+// What others were made of besides the revision before them: name of the atlas, number, hash.
+using Sources = std::set<std::tuple<std::string, std::int64_t, std::int64_t>>;
+
+Sources SourcesIn(Database& database) {
+  Statement select(database, "SELECT from_atlas, from_number, from_hash FROM revision WHERE from_atlas IS NOT NULL",
+                   "table revision");
+  Sources sources;
+  while (select.Step()) sources.emplace(select.Text(0), select.Integer(1), select.Integer(2));
+  return sources;
+}
+
 // The numbers that stay, ascending.
-std::vector<std::int64_t> KeptOf(Database& database, const Named& atlas, const GiveUpOptions& options) {
+std::vector<std::int64_t> KeptOf(Database& database, const Named& atlas, const Sources& sources,
+                                 const GiveUpOptions& options) {
   Statement select(
       database,
-      "SELECT number, at, from_hash IS NOT NULL OR number IN (SELECT number FROM tag WHERE atlas = ?1) OR number IN "
-      "(SELECT from_number FROM revision AS other WHERE other.from_atlas = ?2 AND other.from_hash = history.hash) "
+      "SELECT number, at, from_hash IS NOT NULL OR number IN (SELECT number FROM tag WHERE atlas = ?1), history.hash "
       "FROM revision JOIN history ON history.row = history WHERE revision.atlas = ?1 ORDER BY number",
       "table revision");
-  select.Bind(1, atlas.atlas).BindText(2, atlas.name);
+  select.Bind(1, atlas.atlas);
   std::vector<rows::KeptRevision> all;
-  while (select.Step()) all.push_back({select.Integer(0), select.Text(1), select.Integer(2) != 0});
+  while (select.Step()) {
+    const bool is_source = sources.contains({atlas.name, select.Integer(0), select.Integer(3)});
+    all.push_back({select.Integer(0), select.Text(1), select.Integer(2) != 0 || is_source});
+  }
   return rows::KeptOf(all, options);
 }
 
@@ -233,8 +249,9 @@ GiveUpReport GiveUp(Database& database, const std::string& atlas, const GiveUpOp
     while (select.Step()) atlases.push_back({select.Integer(0), select.Text(1), select.Integer(2), select.Integer(2)});
   }
   if (atlases.empty() && !atlas.empty()) Find(database, atlas);  // which names those that there are
+  const Sources sources = SourcesIn(database);
   for (const Named& each : atlases) {
-    const std::vector<std::int64_t> kept = KeptOf(database, each, options);
+    const std::vector<std::int64_t> kept = KeptOf(database, each, sources, options);
     std::vector<std::int64_t> gone;
     std::ranges::set_difference(NumbersOf(database, each.atlas), kept, std::back_inserter(gone));
     report.atlases.push_back({each.name, {gone.begin(), gone.end()}, kept.size()});

@@ -281,6 +281,7 @@ class SqliteStore : public detail::StoreBackend {
   std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>*) override {
     return FindAtlases(state_->database, query);
   }
+  std::vector<std::string> Find(const AtlasQuery& query) override { return FindAtlases(state_->database, query); }
   std::vector<HistoryEntry> Log(const std::string& name) override { return ReadHistory(state_->database, name); }
   HistoryEntry LogOf(const RevisionName& revision) override {
     const Transaction transaction(state_->database, Transaction::Kind::kBegin);

@@ -3,8 +3,10 @@
 
 #include <optional>
 #include <unordered_map>
+#include <variant>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/rows/detail/atlas_conditions.h"
 #include "slamdb/formats/rows/detail/summary_columns.h"
 #include "slamdb/formats/sqlite/detail/load.h"
 #include "slamdb/formats/sqlite/detail/save.h"
@@ -74,6 +76,13 @@ std::string ProblemOf(const StoredAtlas& atlas, const MostRows& most) {
   return problem;
 }
 
+// A pattern without sets of letters, which GLOB has.
+std::string GlobOf(std::string_view text) {
+  std::string glob;
+  for (const char letter : text) glob += letter == '[' ? "[[]" : std::string(1, letter);
+  return glob;
+}
+
 }  // namespace
 
 void SaveSummary(Database& database, std::int64_t atlas, const AtlasSummary& summary) {
@@ -100,6 +109,22 @@ void SaveMissingSummaries(Database& database) {
       if (error.kind() != ErrorKind::kDamaged) throw;
     }
   }
+}
+
+std::vector<std::string> FindAtlases(Database& database, const AtlasQuery& query) {
+  const rows::AtlasConditions conditions =
+      rows::ConditionsOf(query, {.parameter = '?', .matches = "GLOB", .pattern = GlobOf});
+  Statement select(database, Concat("SELECT name FROM atlas WHERE ", conditions.sql, " ORDER BY name"), "table atlas");
+  for (std::size_t i = 0; i < conditions.parameters.size(); ++i) {
+    const int number = static_cast<int>(i) + 1;
+    if (const auto* text = std::get_if<std::string>(&conditions.parameters[i]))
+      select.BindText(number, *text);
+    else
+      select.BindReal(number, std::get<double>(conditions.parameters[i]));
+  }
+  std::vector<std::string> names;
+  while (select.Step()) names.push_back(select.Text(0));
+  return names;
 }
 
 std::vector<StoredAtlas> ListAtlases(Database& database) {

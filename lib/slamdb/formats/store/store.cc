@@ -54,6 +54,8 @@ std::vector<std::string> Store::Find(const MapQuery& query, std::vector<std::str
   return backend_->Find(query, unsearched);
 }
 
+std::vector<std::string> Store::Find(const AtlasQuery& query) { return backend_->Find(query); }
+
 std::vector<HistoryEntry> Store::Log(const std::string& name) { return backend_->Log(name); }
 
 HistoryEntry Store::LogOf(const RevisionName& revision) { return backend_->LogOf(revision); }

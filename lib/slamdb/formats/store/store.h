@@ -12,6 +12,7 @@
 
 #include "slamdb/export.h"
 #include "slamdb/formats/format.h"
+#include "slamdb/formats/rows/atlas_query.h"
 #include "slamdb/formats/rows/options.h"
 #include "slamdb/formats/rows/places.h"
 #include "slamdb/formats/rows/revisions.h"
@@ -71,6 +72,8 @@ class SLAMDB_EXPORT Store {
   // The atlases that match (model/map_query.h), ascending. Where the server of a partition (postgresql/fleet.h) does
   // not answer, the others are searched, and the names of its atlases come into `unsearched`; without that, it throws.
   std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched = nullptr);
+  // Those of which the store tells what is asked for, ascending.
+  std::vector<std::string> Find(const AtlasQuery& query);
   std::vector<HistoryEntry> Log(const std::string& name = {});  // oldest first; empty name: everything
   // What the log says of one revision, by its number.
   //
@@ -140,8 +143,8 @@ class SLAMDB_EXPORT Store {
   // kNotFound when none has it.
   void Tag(const std::string& name, const std::string& tag);
   void Untag(const std::string& name, const std::string& tag);
-  // Gives up earlier revisions of one atlas, or of all where `name` is empty: in one transaction, on a server in one for
-  // each atlas.
+  // Gives up earlier revisions of one atlas, or of all where `name` is empty: in one transaction, on a server in one
+  // for each atlas.
   //
   // Throws Error: kNotFound when there is no such atlas.
   GiveUpReport GiveUp(const GiveUpOptions& options, const std::string& name = {});

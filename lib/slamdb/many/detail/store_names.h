@@ -2,8 +2,8 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "slamdb/many/add.h"
@@ -22,18 +22,16 @@ struct StoreName {
 // an atlas can have.
 std::vector<StoreName> StoreNamesOf(const std::vector<AtlasInput>& inputs, const AddOptions& options);
 
-// Whether `name` is `stem`, also with a number behind it.
-bool IsNumbered(std::string_view name, std::string_view stem);
+// The names of a store, found by what stands before a number: ten thousand that begin alike are not looked through.
+class HeldNames {
+ public:
+  void Add(const std::string& name);
+  // Those that the input may have had on a day with other inputs: with more folders or fewer, and with a number behind
+  // that.
+  std::vector<std::string> DerivedOf(const StoreName& name) const;
 
-// The names in `held`, by name, that the input may have had on a day with other inputs: with more folders or fewer, and
-// with a number behind that.
-template <class Value>
-std::vector<std::string> DerivedNamesIn(const std::map<std::string, Value>& held, const StoreName& name) {
-  std::vector<std::string> found;
-  for (const std::string& stem : name.derived)
-    for (auto entry = held.lower_bound(stem); entry != held.end() && entry->first.starts_with(stem); ++entry)
-      if (IsNumbered(entry->first, stem)) found.push_back(entry->first);
-  return found;
-}
+ private:
+  std::map<std::string, std::set<std::string>> by_stem_;  // with and without a number
+};
 
 }  // namespace slamdb::detail

@@ -7,6 +7,7 @@
 #include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/postgresql/detail/names.h"
 #include "slamdb/formats/postgresql/detail/partition.h"
+#include "slamdb/formats/rows/atlas_query.h"
 #include "slamdb/formats/rows/stored.h"
 #include "slamdb/model/map_query.h"
 
@@ -16,6 +17,8 @@ namespace slamdb::postgresql {
 std::vector<StoredAtlas> ListAtlases(Connection& connection);  // by name
 // The names of the atlases that match, ascending; of a partition on another server, of its atlases alone.
 std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& query, const Partition& partition = {});
+// Those of which the store itself tells what is asked for.
+std::vector<std::string> FindAtlases(Connection& connection, const AtlasQuery& query);
 // Oldest first; empty name: everything.
 std::vector<HistoryEntry> ReadHistory(Connection& connection, const std::string& name);
 // Of one revision. Throws Error (kDamaged) when the log does not know it.

@@ -44,6 +44,8 @@ void AppendArray(std::string& out, std::uint32_t element_type, std::span<const E
 // int8[] and int4[] so.
 void AppendIntegers(std::string& out, std::span<const std::int64_t> values);
 void AppendIntegers(std::string& out, std::span<const std::int32_t> values);
+// bit(n): how many there are, and they.
+std::string BitsText(Bytes bits);
 
 // Rows as a binary COPY takes them, one behind the other:
 //   encoder.Begin(); encoder.Put(id); encoder.Put(array); encoder.End();

@@ -37,6 +37,8 @@ class Parameter {
   Parameter(std::span<const Bytes> blobs);                                   // NOLINT(google-explicit-constructor)
   Parameter(std::span<const Uuid> uuids);                                    // NOLINT(google-explicit-constructor)
 
+  // bit(n), eight of a byte.
+  static Parameter Bits(Bytes bits);
   // NULL, of the type that the statement wants.
   static Parameter Null() { return Parameter(0, {}, true); }
 

@@ -45,6 +45,7 @@ class Row {
   float Real32(std::size_t column) const;          // float4, every bit of NaNs too; NaN for NULL
   std::string_view Text(std::size_t column) const;
   Bytes Blob(std::size_t column) const;  // bytea, uuid
+  Bytes Bits(std::size_t column) const;  // bit(n), eight of a byte
 
   // Appends an array of one dimension without NULLs: int8[], int4[]. NULL appends nothing.
   template <class Vector>

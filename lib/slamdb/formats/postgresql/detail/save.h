@@ -43,6 +43,7 @@ struct SaveContext {
   std::size_t entities = 0, entities_done = 0;
 
   void Report(std::size_t done);  // progress; throws what the callback throws
+  CopyIn::Way way() const { return partition.is_remote ? CopyIn::Way::kInBatches : CopyIn::Way::kStraight; }
 };
 
 // The newest revision under a name; number and hash 0: the atlas has none.
@@ -91,7 +92,12 @@ struct ListPlans {
 };
 // Saves the lists of all maps, one table after the other. Returns their plans.
 std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSave>& maps);
-// What the keyframes look like alone.
+// What the keyframes look like, of the newest revision alone: it is in no hash, and other programs may delete it.
+// (save_places.cc)
+void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
+               bool all_places = false);
+bool HasAllWords(SaveContext& context, const Atlas& atlas);
+// That alone, of an atlas that is there as it is.
 void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps);
 
 // Each of them, which SaveLists calls (save_keyframes.cc, save_features.cc, save_points.cc).
@@ -155,10 +161,6 @@ void PutColumns(CopyIn& copy, const Columns& columns) {
     const auto* real = std::get_if<double>(&value);
     real != nullptr&& std::isnan(*real) ? copy.PutNull() : copy.Put(value);
   }
-}
-
-inline CopyIn::Way WayOf(const SaveContext& context) {
-  return context.partition.is_remote ? CopyIn::Way::kInBatches : CopyIn::Way::kStraight;
 }
 
 }  // namespace slamdb::postgresql

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,6 +23,9 @@ std::string InRevision(std::int64_t atlas, std::int64_t revision, std::string_vi
 // Those of the newest, by the indexes of these: where all is of one server, so that nothing is left unfinished.
 std::string InNewest(std::int64_t atlas, std::string_view prefix = {});
 
+// `1, 5`: for COPY (SELECT ...), which takes no parameters.
+std::string ListOf(const std::set<std::int64_t>& numbers);
+
 // A table that COPY fills.
 struct Table {
   const char* target;  // `name (columns)`
@@ -31,6 +35,7 @@ const Table& KeyframeTable();
 const Table& FeaturesTable();
 const Table& PictureTable();
 const Table& WordsTable();
+const Table& PlaceTable();
 const Table& PointTable();
 const Table& LandmarkTable();
 

@@ -16,6 +16,7 @@ enum class Type : std::uint8_t {
   kText,
   kBytea,
   kUuid,  // 16 bytes
+  kBits,  // of a length that is a multiple of 8
   kInt4Array,
   kInt8Array,
 };
@@ -24,6 +25,7 @@ enum class Type : std::uint8_t {
 // (pg_type.dat).
 namespace oid {
 constexpr std::uint32_t kBool = 16, kBytea = 17, kInt8 = 20, kInt4 = 23, kText = 25, kFloat8 = 701, kUuid = 2950;
+constexpr std::uint32_t kBit = 1560;
 constexpr std::uint32_t kByteaArray = 1001, kInt4Array = 1007, kTextArray = 1009, kInt8Array = 1016, kUuidArray = 2951;
 }  // namespace oid
 

@@ -11,7 +11,8 @@
 #include "slamdb/formats/rows/places.h"
 
 // What all keyframes of a store look like, and which of them look like a picture (Store::PlacesLike):
-// 1. All rows of keyframe_words are read, by map and id of the keyframe, which is their order in time.
+// 1. Rows of keyframe_words are read, by map and id of the keyframe, which is their order in time: all of a file, of a
+//    server those of the maps that have places like the picture.
 // 2. A picture is held against each: the words that both have, weighed by how rare they are in real maps, beside what
 //    chance gives for so many words of so rare ones.
 // 3. Neighbours in time vote together; the best of them stands for the place.
@@ -29,8 +30,10 @@ struct PlaceKeyframe {
   bool is_unknown = true;  // the store has no words of it
 };
 
-// `maps`: by what keyframes call them. `keyframes`: in any order.
+// `maps`: by what keyframes call them. `keyframes`: in any order. `others`: what the store's keyframes look like at
+// large, where `keyframes` are not all of them, but chosen for these pictures.
 StoredPlaces FindPlaces(const std::map<std::int64_t, PlaceMap>& maps, std::vector<PlaceKeyframe> keyframes,
-                        std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options);
+                        std::span<const PlaceWords> others, std::span<const PlaceWords> pictures,
+                        const PlaceOptions& options);
 
 }  // namespace slamdb::rows

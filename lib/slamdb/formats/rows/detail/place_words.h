@@ -21,6 +21,12 @@ using PlaceWords = std::array<std::uint64_t, 64>;
 PlaceWords PlaceWordsOf(std::span<const Descriptor> descriptors);
 // Of some of a map's keyframes, by their indices.
 std::vector<PlaceWords> PlaceWordsOf(const Map& map, std::span<const std::size_t> keyframes, int threads);
+// Of pictures, each by its descriptors.
+std::vector<PlaceWords> PlaceWordsOf(std::span<const std::span<const Descriptor>> pictures, int threads);
+
+// Of keyframes that follow each other: what two of them show at least, or one that is alone. That is seen again from
+// nearby far more often than what one shows.
+PlaceWords SharedWords(std::span<const PlaceWords> keyframes);
 
 // In what share of the keyframes of real maps each word is.
 std::vector<double> PlaceWordFrequencies();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slamdb/formats/format.h"
+#include "slamdb/formats/rows/atlas_query.h"
 #include "slamdb/formats/rows/detail/revision_names.h"
 #include "slamdb/formats/rows/options.h"
 #include "slamdb/formats/rows/places.h"
@@ -26,6 +27,7 @@ class StoreBackend {
   virtual std::vector<std::string> Names() = 0;
   virtual std::vector<StoredAtlas> List() = 0;
   virtual std::vector<std::string> Find(const MapQuery& query, std::vector<std::string>* unsearched) = 0;
+  virtual std::vector<std::string> Find(const AtlasQuery& query) = 0;
   virtual std::vector<HistoryEntry> Log(const std::string& name) = 0;
   virtual HistoryEntry LogOf(const RevisionName& revision) = 0;
   virtual std::vector<RevisionChain> Chains(const ChainQuery& query) = 0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "slamdb/formats/rows/atlas_query.h"
 #include "slamdb/formats/rows/stored.h"
 #include "slamdb/formats/sqlite/detail/database.h"
 #include "slamdb/model/map_query.h"
@@ -25,5 +26,6 @@ std::vector<StoredAtlas> ListAtlases(Database& database);
 
 // The names of the atlases that match, ascending.
 std::vector<std::string> FindAtlases(Database& database, const MapQuery& query);
+std::vector<std::string> FindAtlases(Database& database, const AtlasQuery& query);
 
 }  // namespace slamdb::sqlite
