@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// slamdb_server_bench compare FILE.osa [ROUNDS]: a store on a server, through its socket, beside one in a file, as
-// markdown.
-//   Each row is measured in pairs, the one and the other in turn; medians, and the ratio with its least and greatest.
+// slamdb_server_bench compare FILE.osa [ROUNDS]: a store on a server beside one in a file (server_compare.h).
 // slamdb_server_bench search [SIZES]: where, when and "who knows this picture" among 10,100,1000 small atlases.
 // slamdb_server_bench load [ATLASES SECONDS KILLS]: 8 writers and 8 readers over ATLASES (1000) for SECONDS (60) while
 // the
@@ -10,7 +8,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <filesystem>
 #include <functional>
 #include <iomanip>
 #include <iostream>
@@ -20,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "slamdb/formats/formats.h"
+#include "bench/server_compare.h"
 #include "slamdb/formats/store/store.h"
 #include "slamdb/model/digest.h"
 #include "slamdb/model/picture_features.h"
@@ -43,74 +40,6 @@ double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   std::ranges::sort(values);
   return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
-}
-
-// ---- compare
-
-// `before` of each is not measured.
-struct Side {
-  Work before, work;
-};
-
-void Compare(const std::string& what, int rounds, const Side& server, const Side& file) {
-  std::vector<double> ours, theirs, ratios;
-  for (int round = 0; round < rounds; ++round) {
-    const auto run = [&](const Side& side, std::vector<double>& times) {
-      if (side.before) side.before();
-      times.push_back(SecondsOf(side.work));
-    };
-    round % 2 == 0 ? run(server, ours) : run(file, theirs);
-    round % 2 == 0 ? run(file, theirs) : run(server, ours);
-    ratios.push_back(ours.back() / theirs.back());
-  }
-  std::cout << "| " << what << " | " << 1e3 * Quantile(ours, 0.5) << " ms | " << 1e3 * Quantile(theirs, 0.5) << " ms | "
-            << Quantile(ratios, 0.5) << " (" << Quantile(ratios, 0) << " to " << Quantile(ratios, 1) << ") |\n"
-            << std::flush;
-}
-
-// After one keyframe in a hundred has moved and lost its first keypoint's match; another each time.
-Atlas Changed(Atlas atlas, int round) {
-  for (Map& map : atlas.maps)
-    for (std::size_t i = 0; i < map.keyframes.size(); i += 100) {
-      KeyFrame& keyframe = map.keyframes[i];
-      keyframe.camera_from_world.translation.x() += 0.01F * static_cast<float>(round + 1);
-      auto& points = keyframe.features.map_points;
-      if (!points.empty()) points[static_cast<std::size_t>(round) % points.size()] = MapPointId();
-    }
-  return atlas;
-}
-
-int CompareWithAFile(const std::string& path, int rounds) {
-  const Atlas atlas = ReadAtlas(path);
-  PostgresqlServer server("shared_buffers = 256MB\nmax_wal_size = 4GB\nfull_page_writes = off");
-  const std::string folder = server.folder();
-  const std::string file = std::filesystem::temp_directory_path() / "slamdb_server_bench.db";
-  std::string uri;
-  const auto make_database = [&] { uri = server.Uri(server.MakeDatabase()); };
-  const auto remove_file = [&] { std::filesystem::remove(file); };
-  const auto save = [](const std::string& where, const Atlas& what) {
-    Store::OpenForWriting(where, {.sync = false}).Save("a", what);
-  };
-  std::cout << "| | on a server | in a file | times as long |\n|---|---|---|---|\n" << std::setprecision(3);
-  Compare("save", rounds,
-          {[&] {
-             make_database();
-             Store::OpenForWriting(uri);  // the tables are made once for all atlases
-           },
-           [&] { save(uri, atlas); }},
-          {remove_file, [&] { save(file, atlas); }});
-  Compare("load", rounds, {{}, [&] { Store::Open(uri).Load("a"); }}, {{}, [&] { Store::Open(file).Load("a"); }});
-  int round = 0;
-  Atlas changed;
-  const auto change = [&] { changed = Changed(atlas, round++); };
-  Compare("save after 1 %", rounds, {change, [&] { save(uri, changed); }}, {change, [&] { save(file, changed); }});
-  Compare("save of what is there", rounds, {[&] { save(uri, atlas); }, [&] { save(uri, atlas); }},
-          {[&] { save(file, atlas); }, [&] { save(file, atlas); }});
-  Compare("load of an earlier revision", rounds, {{}, [&] { Store::Open(uri).Load("a@1"); }},
-          {{}, [&] { Store::Open(file).Load("a@1"); }});
-  Compare("list", rounds, {{}, [&] { Store::Open(uri).List(); }}, {{}, [&] { Store::Open(file).List(); }});
-  remove_file();
-  return 0;
 }
 
 // ---- search
@@ -293,7 +222,7 @@ class Fleet {
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   const auto number = [&](std::size_t i, int other) { return i < words.size() ? std::stoi(words[i]) : other; };
-  if (words.size() >= 2 && words[0] == "compare") return slamdb::CompareWithAFile(words[1], number(2, 9));
+  if (words.size() >= 2 && words[0] == "compare") return slamdb::bench::CompareStores(words[1], number(2, 9));
   if (words.size() == 1 && words[0] == "search") return slamdb::Search({10, 100, 1000});
   if (words.size() >= 2 && words[0] == "search") {
     std::vector<std::size_t> sizes;

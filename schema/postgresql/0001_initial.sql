@@ -5,7 +5,9 @@
 -- Every save of an atlas that changes it makes a revision. Rows say which revisions have them: `since` is the first,
 -- `until` the first that has them no more, 2147483647 while the newest has. Revision r is the rows of its atlas with
 -- since <= r AND until > r.
--- Keys begin with the atlas, by which tables are partitioned: all of an atlas is on one partition.
+-- Keys begin with the atlas, by which tables are partitioned: all of an atlas is on one partition. Those of the large
+-- tables go on with `until`: no two rows of an entity end together, and one index has what the newest revision has in
+-- one place and in order.
 -- `row` numbers of keyframes, points and landmarks are map * 2^32 + place, as in SQLite; maps are numbered within their
 -- atlas. Ids are 64 bits as two's complement; NULL in a column that names another entity means none, -1 in an array.
 -- Flags are the byte as recorded. NULL in a REAL column is NaN; where a number is NaN or -0.0, `exact` has all of a row.
@@ -201,10 +203,9 @@ CREATE TABLE keyframe (
   carried bytea,
   since integer NOT NULL,
   until integer NOT NULL DEFAULT 2147483647,
-  PRIMARY KEY (atlas, row, since)
+  PRIMARY KEY (atlas, until, row)
 ) PARTITION BY HASH (atlas);
 ALTER TABLE keyframe ALTER COLUMN details SET STORAGE EXTERNAL;
-CREATE INDEX keyframe_newest ON keyframe (atlas, row) WHERE until = 2147483647;
 
 CREATE TABLE keyframe_features (
   atlas bigint NOT NULL,
@@ -215,10 +216,9 @@ CREATE TABLE keyframe_features (
   picture uuid NOT NULL,                      -- picture.hash
   since integer NOT NULL,
   until integer NOT NULL DEFAULT 2147483647,
-  PRIMARY KEY (atlas, keyframe, since)
+  PRIMARY KEY (atlas, until, keyframe)
 ) PARTITION BY HASH (atlas);
 ALTER TABLE keyframe_features ALTER COLUMN points SET STORAGE EXTERNAL;
-CREATE INDEX keyframe_features_newest ON keyframe_features (atlas, keyframe) WHERE until = 2147483647;
 
 CREATE TABLE picture (
   atlas bigint NOT NULL,
@@ -277,10 +277,9 @@ CREATE TABLE map_point (
   atlas bigint NOT NULL,
   since integer NOT NULL,
   until integer NOT NULL DEFAULT 2147483647,
-  PRIMARY KEY (atlas, row, since)
+  PRIMARY KEY (atlas, until, row)
 ) PARTITION BY HASH (atlas);
 
-CREATE INDEX map_point_newest ON map_point (atlas, row) WHERE until = 2147483647;
 
 CREATE TABLE landmark (
   row bigint NOT NULL,
@@ -299,7 +298,7 @@ CREATE TABLE landmark (
   atlas bigint NOT NULL,
   since integer NOT NULL,
   until integer NOT NULL DEFAULT 2147483647,
-  PRIMARY KEY (atlas, row, since)
+  PRIMARY KEY (atlas, until, row)
 ) PARTITION BY HASH (atlas);
 
 COMMENT ON TABLE camera IS 'A camera model.';

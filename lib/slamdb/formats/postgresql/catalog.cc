@@ -181,6 +181,22 @@ RevisionChain ReadChain(Connection& connection, const Row& row) {
   return chain;
 }
 
+// Each kind of data, and how many bytes it takes, as SQL in a statement over `atlas` whose $1 is its row.
+std::vector<std::pair<std::string_view, std::string>> BytesOfParts(const Partition& partition) {
+  const auto sum = [&](std::string_view bytes, std::string_view table, std::string_view join = {}) {
+    return Concat("(SELECT coalesce(sum(", bytes, "), 0)::bigint FROM ", partition.Table(table), join, " WHERE ", table,
+                  ".atlas = $1 AND until = 2147483647)");
+  };
+  const std::string pictures = Concat(" JOIN ", partition.Table("picture"),
+                                      " ON picture.atlas = keyframe_features.atlas AND picture.hash = picture");
+  return {{"features",
+           sum("octet_length(keyframe_features.points) + octet_length(columns)", "keyframe_features", pictures)},
+          {"keyframes", sum("octet_length(details) + 12 * cardinality(connections)", "keyframe")},
+          {"points", Concat("atlas.points * ", kPointBytes)},
+          {"observations", Concat("atlas.observations * ", kObservationBytes)},
+          {"landmarks", sum("octet_length(landmark.features) + 144", "landmark")}};
+}
+
 }  // namespace
 
 std::vector<StoredAtlas> ListAtlases(Connection& connection) {
@@ -290,22 +306,22 @@ StoreStats ReadStatistics(Connection& connection) {
 }
 
 std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas, const Partition& partition) {
-  const auto sum = [&](std::string_view bytes, std::string_view table, std::string_view join = {}) {
-    return static_cast<std::uint64_t>(
-        connection.Integer(Concat("SELECT coalesce(sum(", bytes, "), 0)::bigint FROM ", partition.Table(table), join,
-                                  " WHERE ", table, ".atlas = $1 AND until = 2147483647"),
-                           {atlas}));
-  };
-  const Result counts =
-      connection.Query("SELECT points, observations FROM atlas WHERE row = $1", {atlas}, "table atlas");
-  if (counts.rows() == 0) return {};
-  const std::string pictures = Concat(" JOIN ", partition.Table("picture"),
-                                      " ON picture.atlas = keyframe_features.atlas AND picture.hash = picture");
-  return {{"features", sum("octet_length(points) + octet_length(columns)", "keyframe_features", pictures)},
-          {"keyframes", sum("octet_length(details) + 12 * cardinality(connections)", "keyframe")},
-          {"points", kPointBytes * static_cast<std::uint64_t>(counts[0].Integer(0))},
-          {"observations", kObservationBytes * static_cast<std::uint64_t>(counts[0].Integer(1))},
-          {"landmarks", sum("octet_length(features) + 144", "landmark")}};
+  std::vector<PartSize> parts;
+  std::string sums;
+  for (const auto& [part, bytes] : BytesOfParts(partition)) {
+    parts.push_back({std::string(part), 0});
+    sums += Concat(sums.empty() ? "" : ", ", bytes);
+  }
+  const Result found = connection.Query(Concat("SELECT ", sums, " FROM atlas WHERE row = $1"), {atlas}, "table atlas");
+  if (found.rows() == 0) return {};
+  for (std::size_t i = 0; i < parts.size(); ++i) parts[i].bytes = Unsigned(found[0], i);
+  return parts;
+}
+
+void WriteBytes(Connection& connection, std::int64_t atlas, const Partition& partition) {
+  std::string sum;
+  for (const auto& [part, bytes] : BytesOfParts(partition)) sum += Concat(sum.empty() ? "" : " + ", bytes);
+  connection.Query(Concat("UPDATE atlas SET bytes = ", sum, " WHERE row = $1"), {atlas}, "table atlas");
 }
 
 bool IsAsSaved(Connection& connection, const Named& named) {

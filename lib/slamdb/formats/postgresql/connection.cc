@@ -124,7 +124,8 @@ std::int64_t Connection::Integer(const std::string& sql, const std::vector<Param
 Transaction::Transaction(Connection& connection, Kind kind) : connection_(connection) {
   const std::string level = kind == Kind::kRead ? "REPEATABLE READ READ ONLY" : "READ COMMITTED";
   connection.Execute("BEGIN ISOLATION LEVEL " + level +
-                     "; SET LOCAL search_path TO slamdb, pg_temp; SET LOCAL enable_partitionwise_join TO on");
+                     "; SET LOCAL search_path TO slamdb, pg_temp; SET LOCAL enable_partitionwise_join TO on" +
+                     (kind == Kind::kWriteWithoutSync ? "; SET LOCAL synchronous_commit TO off" : ""));
 }
 
 Transaction::~Transaction() {

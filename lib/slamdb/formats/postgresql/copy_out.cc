@@ -12,7 +12,7 @@ namespace slamdb::postgresql {
 namespace {
 
 struct FreeMemory {
-  void operator()(char* bytes) const { PQfreemem(bytes); }
+  void operator()(const char* bytes) const { PQfreemem(const_cast<char*>(bytes)); }
 };
 
 // Asks the server, through a connection of its own, to end what it is doing. May fail, and then it all comes.
@@ -30,7 +30,7 @@ struct CopyReader::State {
   Connection& connection;
   std::string place;
   CopyRows rows;
-  std::unique_ptr<char, FreeMemory> message;
+  std::shared_ptr<const char> message;
   bool is_open = true;
 };
 
@@ -52,7 +52,7 @@ CopyReader::~CopyReader() {
 bool CopyReader::TakeMessage() {
   char* bytes = nullptr;
   const int size = PQgetCopyData(state_->connection.handle(), &bytes, 0);
-  state_->message.reset(bytes);
+  state_->message.reset(bytes, FreeMemory());
   if (size > 0) {
     state_->rows.Take(std::as_bytes(std::span(bytes, static_cast<std::size_t>(size))));
     return true;
@@ -77,5 +77,7 @@ bool CopyReader::Next() {
 }
 
 Row CopyReader::row() const { return state_->rows.row(); }
+
+std::shared_ptr<const char> CopyReader::message() const { return state_->message; }
 
 }  // namespace slamdb::postgresql

@@ -91,9 +91,7 @@ void MakePartitionsAnew(Connection& store, std::int64_t partitions, const std::v
     }
   for (std::int64_t i = 0; i < partitions; ++i)
     for (const std::string_view table : PartitionedTables())
-      if (!remote.contains(i))
-        store.Execute(Concat("CREATE TABLE ", table, "_", i, " PARTITION OF ", table, " (", keys.at(table),
-                             ") FOR VALUES WITH (MODULUS ", partitions, ", REMAINDER ", i, ")"));
+      if (!remote.contains(i)) MakePartition(store, table, i, partitions, keys.at(table));
 }
 
 // Whether the server answers: as the store's own sees it.
@@ -212,9 +210,7 @@ void MakeParts(Connection& remote, const std::string& id, std::int64_t partition
                 "holds a store of its own, or partitions of another: name an empty database");
   }
   for (const std::string_view table : PartitionedTables())
-    for (const std::int64_t i : numbers)
-      remote.Execute(Concat("CREATE TABLE IF NOT EXISTS ", table, "_", i, " PARTITION OF ", table,
-                            " FOR VALUES WITH (MODULUS ", partitions, ", REMAINDER ", i, ")"));
+    for (const std::int64_t i : numbers) MakePartition(remote, table, i, partitions);
   transaction.Commit();
 }
 

@@ -76,7 +76,7 @@ std::string IsInPartition(std::string_view row, std::string_view number) {
 }
 
 bool IsFleet(Connection& connection) {
-  return connection.Integer("SELECT count(*) FROM pg_class WHERE oid = to_regclass('slamdb.fleet')") != 0;
+  return connection.Integer("SELECT to_regclass('slamdb.fleet') IS NOT NULL") != 0;
 }
 
 Partition PartitionOf(Connection& connection, std::int64_t atlas) {

@@ -181,9 +181,6 @@ class PostgresqlStore : public detail::StoreBackend {
   }
 
  private:
-  RevisionName NewestNameOf(const std::string& name) {
-    return postgresql::NameOf(connection_, postgresql::Find(connection_, name));
-  }
   // That what the atlas `name` is made of is there, and stays until that is saved.
   void HoldSource(const std::string& name, const RevisionName& source) {
     if (source.atlas != name) LockAtlas(connection_, source.atlas, lock_options());
@@ -241,26 +238,29 @@ SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, co
   const AtlasHashes hashes = detail::HashesOf(atlas, options.threads);
   // Before the lock, for which others wait.
   const bool was_edited = options.verify && options.overwrite && Has(name) && !IsWhole(name, options.threads);
-  Transaction transaction(connection_, Transaction::Kind::kWrite);
+  Transaction transaction(connection_,
+                          options_.sync ? Transaction::Kind::kWrite : Transaction::Kind::kWriteWithoutSync);
   LockAtlas(connection_, name, lock_options());
+  const std::optional<StoredHead> stored = FindHead(connection_, name);
   if (!options.recorded)
-    rows::CheckIsNoRevision(path(), name, [&](const std::string& each) { return postgresql::Has(connection_, each); });
-  const bool is_there = postgresql::Has(connection_, name);
-  if (options.keep_equal && is_there && NewestNameOf(name).hash == static_cast<std::uint64_t>(hashes.Combined()))
-    return {.hash = static_cast<std::uint64_t>(hashes.Combined()), .unchanged = true};
-  if (!options.overwrite && is_there)
+    rows::CheckIsNoRevision(path(), name, [&](const std::string& each) {
+      return each == name ? stored.has_value() : postgresql::Has(connection_, each);
+    });
+  if (options.keep_equal && stored && stored->hash == hashes.Combined())
+    return {.hash = static_cast<std::uint64_t>(stored->hash), .unchanged = true};
+  if (!options.overwrite && stored)
     throw Error(ErrorKind::kAlreadyExists, path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
   if (options.from && !options.recorded) HoldSource(name, *options.from);
   if (options.onto) {
-    const std::uint64_t newest = static_cast<std::uint64_t>(postgresql::Find(connection_, name).newest);
+    const std::uint64_t newest =
+        static_cast<std::uint64_t>(stored ? stored->revision : postgresql::Find(connection_, name).newest);
     if (newest != *options.onto)
       throw Error(ErrorKind::kLocked, path(), "",
                   Concat("'", name, "' has revision ", newest, " by now, and this was made of ", *options.onto,
                          ": nothing was saved; try again"));
   }
-  if (!options_.sync) connection_.Execute("SET LOCAL synchronous_commit = off");
-  SaveReport report = SaveAtlas(connection_, name, atlas, hashes, options, lock_options(), was_edited);
+  SaveReport report = SaveAtlas(connection_, name, stored, atlas, hashes, options, lock_options(), was_edited);
   if (options.before_commit) options.before_commit();
   transaction.Commit();
   return report;
@@ -326,8 +326,8 @@ std::unique_ptr<detail::StoreBackend> OpenStoreForWriting(const std::string& uri
 }
 
 bool IsYetToBeMade(const std::string& uri, double) {
-  Connection connection(uri);
-  return VersionOf(connection) == 0;
+  const KeptConnection connection(uri, {});
+  return VersionOf(*connection) == 0;
 }
 
 }  // namespace slamdb::postgresql

@@ -25,10 +25,36 @@ std::vector<Type> Types(std::initializer_list<std::pair<Type, int>> runs) {
   return types;
 }
 
-void MakePartitions(Connection& connection, std::string_view table, int partitions) {
-  for (int i = 0; i < partitions; ++i)
-    connection.Execute(Concat("CREATE TABLE ", table, "_", i, " PARTITION OF ", table, " FOR VALUES WITH (MODULUS ",
-                              partitions, ", REMAINDER ", i, ")"));
+// A keyframe's row fits into a page: its arrays are left in it, where PostgreSQL would compress them otherwise.
+std::string_view StorageOf(std::string_view table) {
+  return table == "keyframe" ? " WITH (toast_tuple_target = 8160)" : "";
+}
+
+// What a database says of its store; version 0: it has none.
+struct StoreHead {
+  int version = 0;
+  std::int64_t partitions = 0;
+};
+
+StoreHead HeadOf(Connection& connection) {
+  if (connection.Integer("SELECT to_regclass('slamdb.store') IS NOT NULL") == 0) return {};
+  const Result found = connection.Query("SELECT version, partitions FROM slamdb.store", {}, "table store");
+  if (found.rows() == 0) return {};
+  return {static_cast<int>(found[0].Integer(0)), found[0].Integer(1)};
+}
+
+void CheckIsStore(const StoreHead& head, const std::string& path) {
+  const auto& [version, partitions] = head;
+  if (version != 0 && partitions == 0)
+    throw Error(ErrorKind::kUsage, path, "", "holds partitions of a store that is on another server: name that one");
+  if (version == NewestVersion()) return;
+  if (version == 0)
+    throw Error(ErrorKind::kNotFound, path, "",
+                "the database holds no store yet: save an atlas there, which makes one");
+  throw Error(
+      ErrorKind::kUnsupported, path, "",
+      Concat("store version ", version, ", this program knows ", NewestVersion(),
+             version > NewestVersion() ? ": use the slamdb that wrote it, or a newer one" : ": migrate it first"));
 }
 
 }  // namespace
@@ -158,25 +184,9 @@ std::int64_t CountRows(Connection& connection, std::int64_t atlas) {
 
 int NewestVersion() { return Migrations().back().number; }
 
-int VersionOf(Connection& connection) {
-  if (connection.Integer("SELECT count(*) FROM pg_class WHERE oid = to_regclass('slamdb.store')") == 0) return 0;
-  return static_cast<int>(connection.Integer("SELECT version FROM slamdb.store"));
-}
+int VersionOf(Connection& connection) { return HeadOf(connection).version; }
 
-void CheckIsStore(Connection& connection) {
-  const int version = VersionOf(connection);
-  if (version != 0 && connection.Integer("SELECT partitions FROM slamdb.store") == 0)
-    throw Error(ErrorKind::kUsage, connection.path(), "",
-                "holds partitions of a store that is on another server: name that one");
-  if (version == NewestVersion()) return;
-  if (version == 0)
-    throw Error(ErrorKind::kNotFound, connection.path(), "",
-                "the database holds no store yet: save an atlas there, which makes one");
-  throw Error(
-      ErrorKind::kUnsupported, connection.path(), "",
-      Concat("store version ", version, ", this program knows ", NewestVersion(),
-             version > NewestVersion() ? ": use the slamdb that wrote it, or a newer one" : ": migrate it first"));
-}
+void CheckIsStore(Connection& connection) { CheckIsStore(HeadOf(connection), connection.path()); }
 
 void LockMaking(Connection& connection) { connection.Query("SELECT pg_advisory_xact_lock($1)", {kMakingLock}); }
 
@@ -185,8 +195,15 @@ void MakeTables(Connection& connection) {
   for (const Migration& migration : Migrations()) connection.Execute(std::string(migration.sql));
 }
 
+void MakePartition(Connection& connection, std::string_view table, std::int64_t number, std::int64_t partitions,
+                   std::string_view constraint) {
+  connection.Execute(Concat("CREATE TABLE IF NOT EXISTS ", table, "_", number, " PARTITION OF ", table,
+                            constraint.empty() ? "" : Concat(" (", constraint, ")"), " FOR VALUES WITH (MODULUS ",
+                            partitions, ", REMAINDER ", number, ")", StorageOf(table)));
+}
+
 void MakeStore(Connection& connection, int partitions) {
-  if (VersionOf(connection) != 0) return CheckIsStore(connection);
+  if (const StoreHead head = HeadOf(connection); head.version != 0) return CheckIsStore(head, connection.path());
   const Result encoding = connection.Query("SHOW server_encoding");
   if (encoding[0].Text(0) != "UTF8")
     throw Error(ErrorKind::kUnsupported, connection.path(), "",
@@ -197,7 +214,8 @@ void MakeStore(Connection& connection, int partitions) {
   LockMaking(connection);
   if (VersionOf(connection) != 0) return CheckIsStore(connection);  // somebody was faster
   MakeTables(connection);
-  for (const std::string_view table : PartitionedTables()) MakePartitions(connection, table, partitions);
+  for (const std::string_view table : PartitionedTables())
+    for (int i = 0; i < partitions; ++i) MakePartition(connection, table, i, partitions);
   connection.Query("INSERT INTO store (version, partitions) VALUES ($1, $2)", {NewestVersion(), partitions});
   transaction.Commit();
 }

@@ -40,6 +40,7 @@ CopyReader::CopyReader(Connection& connection, const std::string&, std::string) 
 CopyReader::~CopyReader() = default;
 bool CopyReader::Next() { return false; }
 Row CopyReader::row() const { Refuse(""); }
+std::shared_ptr<const char> CopyReader::message() const { Refuse(""); }
 
 Transaction::Transaction(Connection& connection, Kind) : connection_(connection) { Refuse(connection.path()); }
 Transaction::~Transaction() = default;

@@ -8,6 +8,7 @@
 #include "slamdb/formats/rows/detail/map_rows.h"
 #include "slamdb/formats/rows/detail/match_maps.h"
 #include "slamdb/formats/rows/detail/revision_names.h"
+#include "slamdb/formats/rows/detail/row_changes.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/list_order.h"
 #include "slamdb/formats/sqlite/detail/pictures.h"
@@ -217,10 +218,8 @@ std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, 
     if (row < 1 || row > 0x7fffffff)
       throw Error(ErrorKind::kNotPossible, context.database.path(), "table map", "no more row numbers");
     rows.push_back(row);
-    const bool same = match[i] != nullptr && match[i]->hash == hashes.maps[i].header &&
-                      match[i]->position == static_cast<std::int64_t>(i);
-    TableChanges& changes = context.changes["map"];
-    ++(same ? changes.unchanged : match[i] != nullptr ? changes.updated : changes.inserted);
+    const bool same = match[i] != nullptr && rows::HasMap(*match[i], hashes.maps[i].header, i);
+    rows::Count(context.changes["map"], same, match[i] == nullptr);
     if (same) continue;
     for (const Part part : {Part::kMap, Part::kOrigins, Part::kCarriedByMap}) context.past.Keep(part, row);
     WriteMapRow(context, row, i, atlas.maps[i], hashes.maps[i].header);
@@ -231,20 +230,15 @@ std::vector<std::int64_t> SaveMapRows(SaveContext& context, const Atlas& atlas, 
   return rows;
 }
 
-void CountUnchanged(const Atlas& atlas, ChangeCounter& changes) {
-  changes["map"].unchanged += atlas.maps.size();
-  changes["camera"].unchanged += atlas.cameras.size();
-  std::uint64_t links = 0, observations = 0, landmarks = 0;
+void CountAllUnchanged(const Atlas& atlas, ChangeCounter& changes) {
+  rows::CountUnchanged(atlas, changes);
+  std::uint64_t links = 0, observations = 0;
   for (const Map& map : atlas.maps) {
-    for (const char* table : {"keyframe", "keyframe_features"}) changes[table].unchanged += map.keyframes.size();
     for (const KeyFrame& keyframe : map.keyframes) links += CountLinks(keyframe);
-    changes["map_point"].unchanged += map.points.size();
     for (const MapPoint& point : map.points) observations += point.observations.size();
-    landmarks += map.landmarks.size();
   }
   changes["keyframe_link"].unchanged += links;
   changes["observation"].unchanged += observations;
-  if (landmarks > 0) changes["landmark"].unchanged += landmarks;
 }
 
 // They are in no hash: what somebody deleted comes back with every save.
@@ -259,8 +253,7 @@ void SaveWordsAlone(SaveContext& context, const Atlas& atlas, const AtlasHashes&
 
 // An atlas that is there as it is makes no revision: the log alone tells of the save.
 void SaveUnchanged(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
-  ++context.changes["atlas"].unchanged;
-  CountUnchanged(atlas, context.changes);
+  CountAllUnchanged(atlas, context.changes);
   SaveWordsAlone(context, atlas, hashes);
 }
 

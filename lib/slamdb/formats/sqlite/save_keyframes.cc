@@ -4,6 +4,7 @@
 #include "slamdb/base/detail/pipeline.h"
 #include "slamdb/formats/rows/detail/features_blob.h"
 #include "slamdb/formats/rows/detail/keyframe_row.h"
+#include "slamdb/formats/rows/detail/row_changes.h"
 #include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
 #include "slamdb/formats/sqlite/detail/pictures.h"
@@ -197,9 +198,7 @@ std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, 
   const std::vector<StoredRow> stored =
       ReadStoredRows(context.database, "keyframe", "links_hash", row, map.keyframes.size());
   const std::vector<std::int64_t> stored_features = StoredFeatureHashes(context.database, row, stored);
-  std::vector<std::int64_t> ids;
-  for (const KeyFrame& keyframe : map.keyframes) ids.push_back(ToColumn(keyframe.id));
-  const ListPlan plan = PlanList(ids, stored, FirstRowOfMap(row));
+  const ListPlan plan = rows::PlanOf(map.keyframes, stored, row);
   LinkWriter links(context);
   KeyframeWriter keyframes(context);
   RemoveKeyframes(context, links, plan.removed);
@@ -209,8 +208,8 @@ std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, 
   for (std::size_t i = 0; i < plan.entries.size(); ++i) {
     const ListPlan::Entry& entry = plan.entries[i];
     const StoredRow* old = entry.stored;
-    const bool same_row = old != nullptr && old->hash == hashes.keyframes[i] && old->unique == entry.unique;
-    const bool same_links = old != nullptr && old->details == hashes.links[i];
+    const bool same_row = rows::HasRow(entry, hashes.keyframes[i]);
+    const bool same_links = rows::HasDetails(entry, hashes.links[i]);
     const bool same_features = old != nullptr &&
                                stored_features[static_cast<std::size_t>(old - stored.data())] == hashes.features[i] &&
                                (same_row || !grid_sources.Differ(entry.row, map.keyframes[i]));
@@ -218,22 +217,17 @@ std::vector<std::int64_t> SaveKeyframes(SaveContext& context, std::int64_t row, 
     if (old != nullptr && !same_row && keyframes.Moves(entry.row, map.keyframes[i])) ++context.map.keyframes_moved;
     if (!same_row || !same_links) keyframes.Write(row, entry, map.keyframes[i], hashes.keyframes[i], hashes.links[i]);
     if (!same_features) changed_features.push_back(i);
-    const auto count = [&](const char* table, bool same) {
-      TableChanges& changes = context.changes[table];
-      ++(same ? changes.unchanged : old != nullptr ? changes.updated : changes.inserted);
-    };
-    count("keyframe", same_row && same_links);
-    count("keyframe_features", same_features);
+    rows::Count(context.changes["keyframe"], same_row && same_links, old == nullptr);
+    rows::Count(context.changes["keyframe_features"], same_features, old == nullptr);
   }
   for (std::size_t i = 0; i < plan.entries.size(); ++i) {
     const KeyFrame& keyframe = map.keyframes[i];
-    const StoredRow* old = plan.entries[i].stored;
     TableChanges& changes = context.changes["keyframe_link"];
-    if (old != nullptr && old->details == hashes.links[i]) {
+    if (rows::HasDetails(plan.entries[i], hashes.links[i])) {
       changes.unchanged += CountLinks(keyframe);
       continue;
     }
-    if (old != nullptr) changes.deleted += links.Remove(plan.entries[i].row);
+    if (plan.entries[i].stored != nullptr) changes.deleted += links.Remove(plan.entries[i].row);
     changes.inserted += links.Write(row, plan.entries[i].row, keyframe);
   }
   links.Flush();

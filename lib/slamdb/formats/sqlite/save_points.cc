@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slamdb/formats/rows/detail/point_row.h"
+#include "slamdb/formats/rows/detail/row_changes.h"
 #include "slamdb/formats/sqlite/detail/batch_insert.h"
 #include "slamdb/formats/sqlite/detail/box_tree.h"
 #include "slamdb/formats/sqlite/detail/carried.h"
@@ -152,9 +153,9 @@ std::vector<std::size_t> WritePoints(SaveContext& context, std::int64_t row, con
   for (std::size_t i = 0; i < plan.entries.size(); ++i) {
     const ListPlan::Entry& entry = plan.entries[i];
     const StoredRow* old = entry.stored;
-    const bool same_row = old != nullptr && old->hash == hashes.points[i] && old->unique == entry.unique;
-    const bool same = same_row && old->details == hashes.observations[i];
-    ++(same ? changes.unchanged : old != nullptr ? changes.updated : changes.inserted);
+    const bool same_row = rows::HasRow(entry, hashes.points[i]);
+    const bool same = same_row && rows::HasDetails(entry, hashes.observations[i]);
+    rows::Count(changes, same, old == nullptr);
     if (old == nullptr) ++context.map.points_added;
     if (old != nullptr && !same_row && points.Moves(entry.row, map.points[i])) ++context.map.points_moved;
     if (!same) points.Write(row, entry, map.points[i], hashes.points[i], hashes.observations[i]);
@@ -170,10 +171,7 @@ std::vector<std::size_t> WritePoints(SaveContext& context, std::int64_t row, con
 void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const AtlasHashes::OfMap& hashes) {
   const std::vector<StoredRow> stored =
       ReadStoredRows(context.database, "map_point", "observations_hash", row, map.points.size());
-  std::vector<std::int64_t> ids;
-  ids.reserve(map.points.size());
-  for (const MapPoint& point : map.points) ids.push_back(ToColumn(point.id));
-  const ListPlan plan = PlanList(ids, stored, FirstRowOfMap(row));
+  const ListPlan plan = rows::PlanOf(map.points, stored, row);
   TableChanges& changes = context.changes["observation"];
   const TableChanges before = changes;
   std::uint64_t stayed = 0;  // of points that have others besides
@@ -183,7 +181,7 @@ void SavePoints(SaveContext& context, std::int64_t row, const Map& map, const At
 
   for (std::size_t i = 0; i < plan.entries.size(); ++i) {
     const ListPlan::Entry& entry = plan.entries[i];
-    if (entry.stored != nullptr && entry.stored->details == hashes.observations[i]) {
+    if (rows::HasDetails(entry, hashes.observations[i])) {
       changes.unchanged += map.points[i].observations.size();
     } else {
       if (entry.stored != nullptr) {

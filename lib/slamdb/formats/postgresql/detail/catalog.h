@@ -27,6 +27,8 @@ std::vector<RevisionChain> ReadChains(Connection& connection, const ChainQuery& 
 StoreStats ReadStatistics(Connection& connection);
 // How many bytes each kind of data of the newest revision takes.
 std::vector<PartSize> PartSizesOf(Connection& connection, std::int64_t atlas, const Partition& partition);
+// Their sum into its row.
+void WriteBytes(Connection& connection, std::int64_t atlas, const Partition& partition);
 
 // Whether the rows of the newest revision are those that saves have written: by the transactions that did, without a
 // look at what they hold. False also where that cannot be told: after a restore from a dump, and on another server.

@@ -104,6 +104,8 @@ class CopyReader {
   // The next row, valid until the next call; false: there are no more.
   bool Next();
   Row row() const;
+  // What the bytes of the row are in.
+  std::shared_ptr<const char> message() const;
 
  private:
   struct State;
@@ -121,8 +123,9 @@ void Connection::CopyOut(const std::string& sql, Visit&& visit, std::string plac
 class Transaction {
  public:
   enum class Kind {
-    kRead,   // reads see one state of the database, from the first of them on, and nothing can be written
-    kWrite,  // reads see what others have committed meanwhile
+    kRead,              // reads see one state of the database, from the first of them on, and nothing can be written
+    kWrite,             // reads see what others have committed meanwhile
+    kWriteWithoutSync,  // the same, and a commit does not wait for the disk
   };
   Transaction(Connection& connection, Kind kind);
   ~Transaction();

@@ -37,6 +37,8 @@ class Row {
   Row(std::span<const Field> fields, const RowOrigin& origin) : fields_(fields), origin_(&origin) {}
 
   std::size_t columns() const { return fields_.size(); }
+  std::span<const Field> fields() const { return fields_; }
+  const RowOrigin& origin() const { return *origin_; }
   bool IsNull(std::size_t column) const { return At(column).size == Field::kNull; }
   std::int64_t Integer(std::size_t column) const;  // bool, int2, int4, int8; 0 for NULL
   double Real(std::size_t column) const;           // float4, float8; NaN for NULL

@@ -62,6 +62,10 @@ void MakeStore(Connection& connection, int partitions = 1);
 
 // The tables, types and views, in a transaction that is to be the caller's.
 void MakeTables(Connection& connection);
+// The partition `number` of a table, on this server. `constraint` is its own: `PRIMARY KEY (...)`, where the table has
+// none.
+void MakePartition(Connection& connection, std::string_view table, std::int64_t number, std::int64_t partitions,
+                   std::string_view constraint = {});
 // Held while a store is made or made another: a transaction's lock.
 void LockMaking(Connection& connection);
 
