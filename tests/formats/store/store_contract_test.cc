@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <random>
 #include <thread>
@@ -271,6 +272,42 @@ TEST_P(StoreContract, FindsAtlasesAsTheModelDoes) {
   }
 }
 
+// Their differences and squares are no numbers.
+TEST_P(StoreContract, FindsWhatLiesAtTheEndsOfNumbers) {
+  constexpr double kMost = std::numeric_limits<double>::max(), kLeast = std::numeric_limits<double>::denorm_min(),
+                   kInfinity = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> ends{-kMost, -1.7e308, -1, -kLeast, 0, kLeast, 1, 1.7e308, kMost};
+  std::vector<std::pair<std::string, Atlas>> atlases;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    Atlas atlas = SoundAtlas();
+    for (Map& map : atlas.maps)
+      for (std::size_t k = 0; k < map.keyframes.size(); ++k)
+        map.keyframes[k].timestamp = k % 2 == 0 ? ends[i] : ends[ends.size() - 1 - i];
+    for (Map& map : atlas.maps)
+      for (std::size_t k = 0; k < map.points.size(); ++k)
+        map.points[k].position.setConstant(static_cast<float>(std::clamp(ends[i], -3.4e38, 3.4e38)));
+    Save(atlas, "a" + std::to_string(i));
+    ExpectHolds("a" + std::to_string(i), atlas);
+    atlases.emplace_back("a" + std::to_string(i), std::move(atlas));
+  }
+  std::vector<MapQuery> queries;
+  std::vector<double> asked = ends;
+  asked.insert(asked.end(), {-kInfinity, kInfinity, kNan});
+  for (const double begin : asked)
+    for (const double end : asked) queries.emplace_back().times = MapQuery::Times{begin, end};
+  for (const double center : asked)
+    for (const double radius : asked)
+      queries.emplace_back().near = MapQuery::Ball{Eigen::Vector3d::Constant(center), radius};
+  Store store = Store::Open(path_);
+  for (const MapQuery& query : queries) {
+    std::vector<std::string> expected;
+    for (const auto& [name, atlas] : atlases)
+      if (Matches(atlas, query)) expected.push_back(name);
+    EXPECT_EQ(store.Find(query), expected) << (query.times ? query.times->begin : query.near->center.x()) << " "
+                                           << (query.times ? query.times->end : query.near->radius);
+  }
+}
+
 TEST_P(StoreContract, ListsAsTheAtlasIs) {
   const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
   Save(atlas);
@@ -391,7 +428,8 @@ TEST_P(StoreContract, AnAtlasThatMovesKeepsItsHashAndItsBytes) {
 }
 
 TEST_P(StoreContract, RefusesWhatAReaderMayNotDoAndWhatMeansNothing) {
-  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }), ::testing::AnyOf(HasSubstr("no such file"), HasSubstr("holds no store yet")));
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }),
+              ::testing::AnyOf(HasSubstr("no such file"), HasSubstr("holds no store yet")));
   Save(SoundAtlas());
   Store reader = Store::Open(path_);
   EXPECT_THAT(ErrorOf([&] { reader.Save("b", Atlas{}); }), HasSubstr("opened for reading"));
