@@ -134,8 +134,8 @@ class Table {
   int rounds_;
 };
 
-// After one keyframe and one point in a hundred have moved, and the keyframe lost its first keypoint's match; another
-// each time.
+}  // namespace
+
 Atlas Changed(Atlas atlas, int round) {
   const float way = 0.01F * static_cast<float>(round + 1);
   for (Map& map : atlas.maps) {
@@ -149,6 +149,8 @@ Atlas Changed(Atlas atlas, int round) {
   }
   return atlas;
 }
+
+namespace {
 
 void SaveIn(const std::string& where, const Atlas& what) {
   Store::OpenForWriting(where, {.sync = false}).Save("a", what);

@@ -23,8 +23,8 @@ declare -A packages=(
   # What cpack makes packages with.
   [packaging]="file dpkg-dev"
   [tests]="ccache pkg-config libgtest-dev libgmock-dev sqlite3 protobuf-compiler python3-msgpack mandoc file dpkg-dev"
-  # A server for tests, which skip what needs one where it is not to be had.
-  [postgresql]="postgresql"
+  # A server for tests, a pool in front of it, certificates for it: tests skip what needs one that is not to be had.
+  [postgresql]="postgresql pgbouncer openssl"
   # What tells which libraries a static Cairo is made of.
   [static]="pkg-config"
   # What .ci/run adds: another compiler and what looks at sources and at running programs, a browser, clean systems to install into.

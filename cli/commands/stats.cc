@@ -4,6 +4,7 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {
@@ -14,12 +15,13 @@ struct StatsOptions {
   bool json = false;
 };
 
-std::string StatsText(const StoreStats& stats) {
+std::string StatsText(const StoreStats& stats, bool is_server) {
   using enum Table::Align;
   Table sizes({kLeft, kRight});
-  sizes.Add({"file", HumanBytes(stats.file_bytes)});
-  sizes.Add({"write-ahead log", HumanBytes(stats.log_bytes)});
-  sizes.Add({"free in the file", HumanBytes(stats.free_pages * stats.page_bytes)});
+  sizes.Add({is_server ? "tables" : "file", HumanBytes(stats.file_bytes)});
+  if (!is_server || stats.log_bytes > 0)
+    sizes.Add({is_server ? "write-ahead log of the server" : "write-ahead log", HumanBytes(stats.log_bytes)});
+  if (!is_server) sizes.Add({"free in the file", HumanBytes(stats.free_pages * stats.page_bytes)});
   sizes.Add({"schema version", std::to_string(stats.version)});
   Table tables({kLeft, kRight, kRight}, 2);
   for (const PartSize& part : stats.tables)
@@ -32,7 +34,7 @@ ExitCode RunStats(const StatsOptions& options, Console& console) {
   if (options.json)
     console.PrintData(ToJson(stats, options.store.path));
   else
-    console.Print(StatsText(stats));
+    console.Print(StatsText(stats, detail::IsServer(options.store.path)));
   return ExitCode::kDone;
 }
 

@@ -1,16 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/support/postgresql_server.h"
 
-#include <arpa/inet.h>
-#include <fcntl.h>
-#include <grp.h>
-#include <netinet/in.h>
-#include <pwd.h>
 #include <signal.h>
-#include <sys/prctl.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -21,6 +13,8 @@
 #include <sstream>
 #include <stdexcept>
 #include <thread>
+
+#include "tests/support/server_process.h"
 
 namespace slamdb {
 namespace {
@@ -42,33 +36,6 @@ fs::path Programs() {
   const auto in_path = {"/usr/bin", "/usr/local/bin"};
   const auto* found = std::ranges::find_if(in_path, [](const char* f) { return fs::exists(fs::path(f) / "initdb"); });
   return newest.empty() && found != in_path.end() ? fs::path(*found) : newest;
-}
-
-// Whom root lends the server to, as it does not run for root; null: it is not needed.
-const passwd* OtherUser() {
-  if (::geteuid() != 0) return nullptr;
-  const passwd* user = ::getpwnam("postgres");
-  return user != nullptr ? user : ::getpwnam("nobody");
-}
-
-// In a child process, which ends with its parent.
-void Become(const passwd* user) {
-  if (user != nullptr && (::setgroups(0, nullptr) != 0 || ::setgid(user->pw_gid) != 0 || ::setuid(user->pw_uid) != 0))
-    ::_exit(126);
-  ::prctl(PR_SET_PDEATHSIG, SIGQUIT);
-}
-
-int FreePort() {
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof(address);
-  const bool bound = ::bind(socket, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
-                     ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0;
-  ::close(socket);
-  if (!bound) throw std::runtime_error("no port is free on 127.0.0.1");
-  return ntohs(address.sin_port);
 }
 
 std::vector<pid_t> ChildrenOf(pid_t process) {
@@ -112,11 +79,7 @@ PostgresqlServer::PostgresqlServer(const Follow& follow) {
 }
 
 void PostgresqlServer::MakeFolder() {
-  std::string name = "/tmp/slamdb_postgresql.XXXXXX";  // the path of a socket has at most 107 bytes
-  if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder: " + name);
-  folder_ = name;
-  if (const passwd* user = OtherUser(); user != nullptr && ::chown(name.c_str(), user->pw_uid, user->pw_gid) != 0)
-    throw std::runtime_error("cannot give away " + name);
+  folder_ = MakeServerFolder();
   port_ = FreePort();
 }
 
@@ -134,30 +97,7 @@ PostgresqlServer::~PostgresqlServer() {
   fs::remove_all(folder_, ignored);
 }
 
-// Its output goes into a file of the folder, for those who keep it to look at.
-pid_t PostgresqlServer::Launch(const std::vector<std::string>& command) const {
-  std::vector<char*> arguments;
-  for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
-  arguments.push_back(nullptr);
-  const std::string log = folder_ / "log";
-  const passwd* user = OtherUser();
-  const pid_t child = ::fork();
-  if (child != 0) return child;
-  const int output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0666);
-  ::dup2(output, STDOUT_FILENO);
-  ::dup2(output, STDERR_FILENO);
-  Become(user);
-  if (::chdir("/") == 0) ::execv(arguments[0], arguments.data());
-  ::_exit(127);
-}
-
-void PostgresqlServer::Run(const std::vector<std::string>& command) const {
-  int status = -1;
-  ::waitpid(Launch(command), &status, 0);
-  if (status == 0) return;
-  std::ifstream log(folder_ / "log");
-  throw std::runtime_error(command[0] + ": " + std::string(std::istreambuf_iterator<char>(log), {}));
-}
+void PostgresqlServer::Run(const std::vector<std::string>& command) const { RunForServer(command, folder_ / "log"); }
 
 // The eighth line of the file that it keeps while it runs says so.
 bool PostgresqlServer::IsReady() const {
@@ -173,7 +113,7 @@ void PostgresqlServer::Start() {
   std::error_code ignored;
   for (int i = 0; i < kTries && process_ == 0; ++i) {
     fs::remove(folder_ / "data/postmaster.pid", ignored);
-    process_ = Launch({Programs() / "postgres", "-D", folder_ / "data"});
+    process_ = LaunchServer({Programs() / "postgres", "-D", folder_ / "data"}, folder_ / "log");
     while (!IsReady() && process_ != 0) {
       std::this_thread::sleep_for(milliseconds(10));
       if (::waitpid(process_, nullptr, WNOHANG) == process_) process_ = 0;

@@ -56,7 +56,6 @@ class PostgresqlServer {
   void MakeFolder();
   void Configure(std::string_view settings) const;
   void Run(const std::vector<std::string>& command) const;
-  pid_t Launch(const std::vector<std::string>& command) const;
   bool IsReady() const;
   void End(int signal);
 

@@ -32,6 +32,8 @@ TEST(ServerError, KindsAndRemediesAreThoseOfTheState) {
                           Case{"57P02", ErrorKind::kLocked, true, "nothing was saved unless all was: try again"},
                           Case{"57P03", ErrorKind::kLocked, true, "try again"},
                           Case{"08006", ErrorKind::kLocked, true, "nothing was saved unless all was: try again"},
+                          Case{"08P01", ErrorKind::kLocked, true, "a pool in front of the server"},
+                          Case{"TLS00", ErrorKind::kPermission, false, "sslrootcert"},
                           Case{"23505", ErrorKind::kDamaged, false, "message"},
                           Case{"42P01", ErrorKind::kNotFound, false, "message"},
                           Case{"42601", ErrorKind::kInternal, false, "message"},

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What can go wrong with a store on a server, and what is left then: the revision before, whole, or the new one.
 #include <gmock/gmock.h>
-#include <libpq-fe.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <initializer_list>
-#include <memory>
 #include <stdexcept>
 
 #include "slamdb/base/detail/concat.h"
@@ -17,6 +15,7 @@
 #include "slamdb/model/picture_features.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/store/atlases.h"
+#include "tests/formats/store/server_sql.h"
 #include "tests/support/postgresql_server.h"
 
 namespace slamdb::store_test {
@@ -26,16 +25,6 @@ using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-// The first column of the first row, as a person with psql would see it.
-std::string SqlOn(const std::string& uri, const std::string& sql) {
-  const std::unique_ptr<PGconn, void (*)(PGconn*)> connection(PQconnectdb(uri.c_str()), &PQfinish);
-  const std::unique_ptr<PGresult, void (*)(PGresult*)> result(PQexec(connection.get(), sql.c_str()), &PQclear);
-  const ExecStatusType status = PQresultStatus(result.get());
-  if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK)
-    return detail::Concat("ERROR ", PQerrorMessage(connection.get()));
-  return PQntuples(result.get()) > 0 ? PQgetvalue(result.get(), 0, 0) : "";
-}
 
 class StoreOnServer : public ::testing::Test {
  protected:
@@ -408,6 +397,35 @@ TEST_F(StoreRoles, RowLevelSecurityShowsEachItsProjects) {
   EXPECT_THAT(SqlOn(UriOf("elsewhere"), "SELECT count(*) FROM slamdb.keyframe_0"), HasSubstr("permission denied"));
   EXPECT_EQ(SqlOn(UriOf("elsewhere"), "SELECT count(*) FROM slamdb.keyframe WHERE atlas = " + other_rows), "0");
   EXPECT_EQ(FirstDifference(Store::Open(uri_).Load("secret"), second_), "");
+}
+
+TEST_F(StoreOnServer, StatsTellOfTheWriteAheadLogWhoMayKnow) {
+  EXPECT_GT(Store::Open(uri_).Stats().log_bytes, 1'000'000U);
+  Sql("CREATE ROLE somebody LOGIN");
+  Sql("GRANT USAGE ON SCHEMA slamdb TO somebody; GRANT SELECT ON ALL TABLES IN SCHEMA slamdb TO somebody");
+  EXPECT_EQ(Store::Open(UriOf("somebody")).Stats().log_bytes, 0U);
+}
+
+TEST_F(StoreOnServer, AVersionThatNobodyMadeIsRefused) {
+  for (const char* edit :
+       {"UPDATE slamdb.store SET version = 0", "UPDATE slamdb.store SET version = -7", "DELETE FROM slamdb.store"}) {
+    Sql(edit);
+    for (const std::string& error :
+         {ErrorOf([&] { Store::Open(uri_); }), ErrorOf([&] { Store::OpenForWriting(uri_); }),
+          ErrorOf([&] { MigrateStore(uri_); }), ErrorOf([&] { static_cast<void>(Store::IsYetToBeMade(uri_)); })})
+      EXPECT_THAT(error, HasSubstr("table store: says version")) << edit;
+  }
+  Sql("INSERT INTO slamdb.store (version, partitions) VALUES (1, 1)");
+  ExpectFirst();
+}
+
+TEST_F(StoreOnServer, AMigrationWaitsForAnotherAsLongAsItIsTold) {
+  postgresql::Connection other(uri_);
+  other.Execute("SELECT pg_advisory_lock(x'534C4442'::bigint)");
+  EXPECT_THAT(ErrorOf([&] { MigrateStore(uri_, {.lock_timeout = 0.05}); }),
+              HasSubstr("another slamdb makes or migrates this store"));
+  other.Execute("SELECT pg_advisory_unlock(x'534C4442'::bigint)");
+  EXPECT_TRUE(MigrateStore(uri_, {.lock_timeout = 0.05}).steps.empty());
 }
 
 TEST_F(StoreOnServer, TakesAProvenanceOfAnyBytes) {

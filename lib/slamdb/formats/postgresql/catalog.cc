@@ -302,6 +302,9 @@ StoreStats ReadStatistics(Connection& connection) {
         stats.file_bytes += Unsigned(row, 1);
       });
   stats.pages = stats.file_bytes / std::max<std::uint64_t>(stats.page_bytes, 1);
+  if (connection.Integer("SELECT has_function_privilege('pg_ls_waldir()', 'EXECUTE')::integer") != 0)
+    stats.log_bytes =
+        static_cast<std::uint64_t>(connection.Integer("SELECT coalesce(sum(size), 0)::bigint FROM pg_ls_waldir()"));
   return stats;
 }
 

@@ -88,10 +88,16 @@ std::string AddressOf(PGconn* connection) {
   return detail::Concat(PQhost(connection), " ", PQhostaddr(connection), " ", PQport(connection));
 }
 
-// Connects, however that ends. Gives whether some server did not answer in time.
-bool Finish(PGconn* connection, const ConnectionOptions& options) {
+// Why a connection failed, besides what libpq says.
+struct Failures {
+  bool is_late = false;  // some server did not answer in time
+  bool is_tls = false;   // the last one offers no TLS as it is asked for, or is not trusted
+};
+
+// Connects, however that ends.
+Failures Finish(PGconn* connection, const ConnectionOptions& options) {
   const double timeout = TimeoutOf(connection, options.timeout);
-  bool is_late = false;
+  Failures failures;
   std::string address;
   Clock::time_point start;
   for (auto wanted = PGRES_POLLING_WRITING; wanted != PGRES_POLLING_OK && wanted != PGRES_POLLING_FAILED;) {
@@ -102,12 +108,13 @@ bool Finish(PGconn* connection, const ConnectionOptions& options) {
     if (!is_ready && std::chrono::duration<double>(Clock::now() - start).count() < timeout) continue;
     if (!is_ready) {
       ::shutdown(PQsocket(connection), SHUT_RDWR);  // libpq goes on to the next address, as if this had been refused
-      is_late = true;
+      failures.is_late = true;
       start = Clock::now();
     }
+    failures.is_tls = is_ready && PQstatus(connection) == CONNECTION_SSL_STARTUP;
     wanted = PQconnectPoll(connection);
   }
-  return is_late;
+  return failures;
 }
 
 // `FATAL:  28P01: no such user` is taken apart, since what follows is in the language of the server.
@@ -136,12 +143,14 @@ Refusal RefusalOf(std::string_view verbose) {
   return refusal;
 }
 
-[[noreturn]] void ThrowRefusal(PGconn* connection, const std::string& path, bool is_late, double timeout) {
+[[noreturn]] void ThrowRefusal(PGconn* connection, const std::string& path, const Failures& failures, double timeout) {
   const Refusal refusal = RefusalOf(PQerrorMessage(connection));
   const bool wants_password = PQconnectionNeedsPassword(connection) == 1;
   const std::string state = refusal.state.empty() && wants_password ? "28P01" : refusal.state;
   if (!state.empty()) throw ErrorOfState(path, "", state, refusal.message);
-  throw NoServer(path, is_late ? detail::Concat("nothing within ", timeout, " s: ", refusal.message) : refusal.message);
+  if (failures.is_tls) throw ErrorOfState(path, "", "TLS00", refusal.message);
+  throw NoServer(
+      path, failures.is_late ? detail::Concat("nothing within ", timeout, " s: ", refusal.message) : refusal.message);
 }
 
 }  // namespace
@@ -156,9 +165,10 @@ pg_conn* Connect(const std::string& uri, const std::string& path, const Connecti
   PQsetErrorVerbosity(connection.get(), PQERRORS_VERBOSE);  // with states
   PQsetNoticeProcessor(
       connection.get(), [](void*, const char*) {}, nullptr);
-  const bool is_late = PQstatus(connection.get()) != CONNECTION_BAD && Finish(connection.get(), options);
+  const Failures failures =
+      PQstatus(connection.get()) != CONNECTION_BAD ? Finish(connection.get(), options) : Failures();
   if (PQstatus(connection.get()) != CONNECTION_OK)
-    ThrowRefusal(connection.get(), path, is_late, TimeoutOf(connection.get(), options.timeout));
+    ThrowRefusal(connection.get(), path, failures, TimeoutOf(connection.get(), options.timeout));
   PQsetErrorVerbosity(connection.get(), PQERRORS_DEFAULT);
   return connection.release();
 }

@@ -25,6 +25,8 @@ constexpr std::string_view kAtWork = "): try again when it is done";
 constexpr std::array kMeanings = {
     Meaning{"08001", ErrorKind::kLocked, "another server, which has the partition, does not answer (",
             "): its atlases wait for it, 'slamdb fleet status' tells more", true},
+    Meaning{"08P01", ErrorKind::kLocked, "the server, or a pool in front of the server, ended the connection (",
+            "): nothing was saved unless all was: check user, password and database, or try again", true},
     Meaning{"08", ErrorKind::kLocked, "the connection to the server was lost (", kTryAgain, true},
     Meaning{"0A", ErrorKind::kUnsupported, "", ""},
     Meaning{"22", ErrorKind::kNotPossible, "", ""},
@@ -45,7 +47,7 @@ constexpr std::array kMeanings = {
     Meaning{"42P07", ErrorKind::kAlreadyExists, "", ""},
     Meaning{"42", ErrorKind::kInternal, "", ""},
     Meaning{"53100", ErrorKind::kOutOfResources, "the server's disk is full (",
-            "): what is stored is as it was before this change"},
+            "): what is stored is as it was before this change: try again when there is room"},
     Meaning{"53300", ErrorKind::kOutOfResources, "the server has as many connections as it takes (",
             "): try again, or raise max_connections", true},
     Meaning{"53", ErrorKind::kOutOfResources, "the server has too little left (",
@@ -57,6 +59,10 @@ constexpr std::array kMeanings = {
     Meaning{"57P03", ErrorKind::kLocked, "the server takes no connections now (", "): try again", true},
     Meaning{"57P", ErrorKind::kLocked, "the server ended the connection (", kTryAgain, true},
     Meaning{"58", ErrorKind::kDamaged, "the server cannot read or write its files (", "): its log says more"},
+    // No state of a server's: what libpq says of its certificate, or that it has none.
+    Meaning{"TLS00", ErrorKind::kPermission, "no TLS connection as sslmode asks for (",
+            "): the server has to have ssl = on and a certificate with the host's name in it, and sslrootcert to name "
+            "the file of the one that signed it"},
     Meaning{"XX001", ErrorKind::kDamaged, "the server's database is damaged (", "): restore a backup"},
     Meaning{"XX002", ErrorKind::kDamaged, "an index of the server's is damaged (", "): REINDEX makes it anew"},
     Meaning{"", ErrorKind::kNotPossible, "", ""},

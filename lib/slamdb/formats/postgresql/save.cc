@@ -106,16 +106,14 @@ std::int64_t Record(SaveContext& context, const std::string& name, const AtlasSu
         map.points_moved, map.observations_added, map.observations_removed})
     parameters.push_back(is_unchanged ? Parameter::Null() : number(count));
   parameters.push_back(RecordedAt(context));
+  // Of an INSERT with VALUES a subquery is not what every server takes (Citus).
   const Result made = context.connection.Query(
       "INSERT INTO history (at, action, tool, atlas, provenance, who, hash, maps, keyframes, points, observations, "
       "inserted, updated, deleted, unchanged, revision, keyframes_added, keyframes_removed, keyframes_moved, "
-      "points_added, "
-      "points_removed, points_moved, observations_added, observations_removed, project) VALUES "
-      "(coalesce($23::text::timestamptz, now()), 'save', $1, $2, $3, $4, "
-      "$5, "
-      "$6, $7, $8, $9, $10, $11, $12, $13, $14::integer, $15::bigint, $16::bigint, $17::bigint, $18::bigint, "
-      "$19::bigint, "
-      "$20::bigint, $21::bigint, $22::bigint, (SELECT project FROM atlas WHERE name = $2)) RETURNING row",
+      "points_added, points_removed, points_moved, observations_added, observations_removed, project) SELECT "
+      "coalesce($23::text::timestamptz, now()), 'save', $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, "
+      "$14::integer, $15::bigint, $16::bigint, $17::bigint, $18::bigint, $19::bigint, $20::bigint, $21::bigint, "
+      "$22::bigint, project FROM atlas WHERE name = $2 RETURNING row",
       parameters, "table history");
   return made[0].Integer(0);
 }

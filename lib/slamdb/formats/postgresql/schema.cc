@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/postgresql/detail/schema.h"
 
+#include <algorithm>
 #include <iterator>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/server.h"
 #include "slamdb/formats/postgresql/detail/migrations_sql.h"
+#include "slamdb/formats/postgresql/detail/writer_lock.h"
 
 namespace slamdb::postgresql {
 namespace {
@@ -39,8 +41,13 @@ struct StoreHead {
 StoreHead HeadOf(Connection& connection) {
   if (connection.Integer("SELECT to_regclass('slamdb.store') IS NOT NULL") == 0) return {};
   const Result found = connection.Query("SELECT version, partitions FROM slamdb.store", {}, "table store");
-  if (found.rows() == 0) return {};
-  return {static_cast<int>(found[0].Integer(0)), found[0].Integer(1)};
+  const std::int64_t version = found.rows() == 0 ? 0 : found[0].Integer(0);
+  if (version < 1)
+    throw Error(ErrorKind::kDamaged, connection.path(), "table store",
+                Concat("says version ", version,
+                       ", which no slamdb has made: somebody edited it; write back what it was (a slamdb makes ",
+                       NewestVersion(), ")"));
+  return {static_cast<int>(version), found[0].Integer(1)};
 }
 
 void CheckIsStore(const StoreHead& head, const std::string& path) {
@@ -190,6 +197,18 @@ void CheckIsStore(Connection& connection) { CheckIsStore(HeadOf(connection), con
 
 void LockMaking(Connection& connection) { connection.Query("SELECT pg_advisory_xact_lock($1)", {kMakingLock}); }
 
+// For the rest of the transaction; neither this lock nor those of tables are waited for longer.
+void LockMigrating(Connection& connection, double timeout) {
+  WaitForLock([&] { return connection.Integer("SELECT pg_try_advisory_xact_lock($1)", {kMakingLock}) != 0; },
+              {timeout, {}},
+              [&] {
+                return Error(ErrorKind::kLocked, connection.path(), "",
+                             "another slamdb makes or migrates this store right now");
+              });
+  const auto milliseconds = static_cast<std::int64_t>(std::clamp(1e3 * timeout, 1.0, 2e9));  // 0 would be for ever
+  connection.Execute(Concat("SET LOCAL lock_timeout TO ", milliseconds));
+}
+
 void MakeTables(Connection& connection) {
   connection.Execute("CREATE SCHEMA IF NOT EXISTS slamdb");
   for (const Migration& migration : Migrations()) connection.Execute(std::string(migration.sql));
@@ -226,7 +245,7 @@ MigrateReport Migrate(const std::string& uri, const MigrateOptions& options) {
                 "a store on a server does not go back: restore the dump that was made before it was migrated");
   Connection connection(uri);
   Transaction transaction(connection, Transaction::Kind::kWrite);
-  connection.Query("SELECT pg_advisory_xact_lock($1)", {kMakingLock});
+  LockMigrating(connection, options.lock_timeout);
   MigrateReport report;
   report.from = VersionOf(connection);
   report.to = NewestVersion();

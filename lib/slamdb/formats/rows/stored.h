@@ -88,7 +88,7 @@ struct StoreStats {
   int version = 0;  // of the schema
   std::uint64_t page_bytes = 0, pages = 0, free_pages = 0;
   std::uint64_t file_bytes = 0;
-  std::uint64_t log_bytes = 0;   // of the write-ahead log beside the file
+  std::uint64_t log_bytes = 0;   // of the write-ahead log beside the file, or of a server (0: not told to this user)
   std::vector<PartSize> tables;  // bytes per table, its indexes included; largest first
 };
 
