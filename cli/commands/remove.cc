@@ -16,7 +16,7 @@ struct RemoveOptions {
 
 std::string CheckName(const std::string& text) {
   if (!Location::Parse(text).name.empty()) return {};
-  return "expected STORE.db#NAME, found '" + text + "'";
+  return "expected STORE.db#NAME or postgresql://USER@HOST/DATABASE#NAME, found '" + text + "'";
 }
 
 ExitCode RunRemove(const RemoveOptions& options, Console& console) {

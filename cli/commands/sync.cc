@@ -105,7 +105,8 @@ ExitCode RunSync(const SyncVerbOptions& options, Console& console) {
       console.Print(Summary(report));
   };
   sync.on_stopped = [&](const SyncReport& report) {
-    tell(report);
+    const bool did_any = report.same > 0 || !report.atlases.empty();
+    if (did_any || options.json) tell(report);
     console.Finish();  // before the signal, or the error, ends the program
   };
   const SyncReport report = SyncStores(options.first, options.second, sync);

@@ -1,9 +1,11 @@
 -- SPDX-License-Identifier: BSD-3-Clause
 -- Roles of a store, once for a database, by its owner: psql -d maps -f roles.sql. Then GRANT slamdb_reader TO alice.
--- May be run again.
+-- May be run again, and does all or nothing.
 --   owner           who made the store: migrates it, and gives it up
 --   slamdb_writer   saves, tags, gives revisions up, removes
 --   slamdb_reader   reads
+BEGIN;
+SET LOCAL client_min_messages TO warning;
 DO $$
 BEGIN
   CREATE ROLE slamdb_reader NOLOGIN;
@@ -32,3 +34,4 @@ BEGIN
 END $$;
 REVOKE INSERT, UPDATE, DELETE ON slamdb.store FROM slamdb_writer;
 REVOKE UPDATE, DELETE ON slamdb.history FROM slamdb_writer;  -- what was done is not undone
+COMMIT;

@@ -1,13 +1,15 @@
 -- SPDX-License-Identifier: BSD-3-Clause
--- Who sees which atlases, by project, once for a database, by its owner, after roles.sql: psql -d maps -f
--- row_level_security.sql. Off until then. May be run again; ALTER TABLE ... DISABLE ROW LEVEL SECURITY takes it back.
+-- Who sees which atlases, by project, once for a database, by its owner: psql -d maps -f row_level_security.sql. Off
+-- until then. May be run again, before roles.sql and after it, and does all or nothing; ALTER TABLE ... DISABLE ROW LEVEL SECURITY takes it back.
 -- A project is a role: CREATE ROLE warehouse NOLOGIN; GRANT warehouse TO alice. Who is a member sees its atlases; those
 -- of no project are everybody's. An atlas is made in the project that its writer's `slamdb.project` names, as with
 -- PGOPTIONS='-c slamdb.project=warehouse' or ALTER ROLE alice SET slamdb.project = 'warehouse'.
 -- The owner of the tables, superusers and roles with BYPASSRLS see all.
 -- Names of atlases are one for all projects: that a name is taken is not hidden. Who saves needs the right to make
 -- temporary tables (GRANT TEMPORARY ON DATABASE), which everybody has by default.
-SET search_path TO slamdb, pg_temp;
+BEGIN;
+SET LOCAL client_min_messages TO warning;
+SET LOCAL search_path TO slamdb, pg_temp;
 
 -- Names in full, as anybody can make temporary tables of any name.
 CREATE OR REPLACE FUNCTION is_member(project text) RETURNS boolean LANGUAGE sql STABLE SET search_path = pg_catalog, pg_temp AS $$
@@ -21,6 +23,7 @@ CREATE POLICY by_project ON atlas USING (slamdb.is_member(project)) WITH CHECK (
 DO $$
 DECLARE
   each text;
+  role text;
 BEGIN
   FOREACH each IN ARRAY ARRAY['revision', 'tag', 'camera', 'map', 'repeated_entry', 'keyframe', 'keyframe_features',
                               'picture', 'keyframe_words', 'place', 'map_point', 'landmark'] LOOP
@@ -31,7 +34,9 @@ BEGIN
   -- Partitions are tables of their own, which nobody needs to name: rights are those of the table that they are of.
   FOR each IN SELECT inhrelid::regclass::text FROM pg_inherits JOIN pg_class ON pg_class.oid = inhrelid
               WHERE relnamespace = 'slamdb'::regnamespace AND relkind IN ('r', 'f') LOOP
-    EXECUTE format('REVOKE ALL ON %s FROM PUBLIC, slamdb_reader, slamdb_writer', each);
+    FOR role IN SELECT 'PUBLIC' UNION ALL SELECT rolname FROM pg_roles WHERE rolname IN ('slamdb_reader', 'slamdb_writer') LOOP
+      EXECUTE format('REVOKE ALL ON %s FROM %s', each, role);
+    END LOOP;
   END LOOP;
 END $$;
 
@@ -50,3 +55,4 @@ BEGIN
     EXECUTE format('ALTER VIEW %I SET (security_invoker = true)', each);
   END LOOP;
 END $$;
+COMMIT;

@@ -58,6 +58,9 @@ const std::vector<std::pair<std::string, std::string>> kShown = {
     {"postgresql:/u:S3cret@h/db", "postgresql:/u@h/db"},
     {"postgres:u:S3cret@h/db", "postgres:u@h/db"},
     {"POSTGRESQL://u:S3cret@h/db", "POSTGRESQL://u@h/db"},
+    {"postgressql://u:S3cret@h/db", "postgressql://u@h/db"},
+    {"pg://u:S3cret@h/db", "pg://u@h/db"},
+    {"postgresql://u@h/db?pasword=S3cret", "postgresql://u@h/db"},
 };
 
 TEST(Server, IsShownWithoutItsPassword) {
@@ -149,7 +152,8 @@ TEST(Server, IsNoFile) {
 }
 
 TEST(Server, IsToldFromWhatIsMistyped) {
-  for (const char* mistyped : {"postgresql:/h/db", "postgresql:h/db", "postgres:maps", "Postgresql://u:S3cret@h/db"}) {
+  for (const char* mistyped :
+       {"postgresql:/h/db", "postgresql:h/db", "postgres:maps", "Postgresql://u:S3cret@h/db", "pg://u:S3cret@h/db"}) {
     try {
       RefuseMistypedServer(mistyped);
       ADD_FAILURE() << mistyped;

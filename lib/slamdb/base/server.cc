@@ -15,8 +15,8 @@ namespace slamdb::detail {
 namespace {
 
 constexpr std::array<std::string_view, 2> kSchemes = {"postgresql://", "postgres://"};
-constexpr std::array<std::string_view, 5> kSecrets = {"password", "sslpassword", "oauth_client_secret",
-                                                      "scram_client_key", "scram_server_key"};
+// What the names of parameters with a secret contain, also mistyped: `password`, `sslpassword`, `pasword`.
+constexpr std::array<std::string_view, 5> kSecrets = {"passw", "pasw", "pwd", "secret", "_key"};
 
 constexpr std::array<std::string_view, 2> kWords = {"postgresql:", "postgres:"};  // that schemes begin with
 constexpr std::string_view kDefaultPort = ":5432";
@@ -24,13 +24,20 @@ constexpr std::string_view kDefaultPort = ":5432";
 // Of which one is known to be a letter or a colon.
 bool IsSameLetter(char one, char other) { return (one | 0x20) == (other | 0x20); }
 
-// How many bytes the scheme has, also one that is mistyped: in capitals, or with too few slashes; 0: it is none of
-// ours.
+// As in `postgressql://` and `pg://`.
+std::size_t OtherSchemeOf(std::string_view uri) {
+  constexpr std::string_view kBehind = "://";
+  const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  const std::size_t size = static_cast<std::size_t>(std::ranges::find_if_not(uri, is_letter) - uri.begin());
+  return size > 0 && uri.substr(size).starts_with(kBehind) ? size + kBehind.size() : 0;
+}
+
+// How many bytes the scheme has, also one that is mistyped: in other letters, or with too few slashes; 0: it is none.
 std::size_t SchemeOf(std::string_view uri) {
   for (const std::string_view word : kWords)
     if (std::ranges::equal(uri.substr(0, word.size()), word, IsSameLetter))
       return std::min(uri.find_first_not_of('/', word.size()), std::min(uri.size(), word.size() + 2));
-  return 0;
+  return OtherSchemeOf(uri);
 }
 
 // True when a host of `host:port,host:port` has a port that is no number.
@@ -73,13 +80,21 @@ std::string PercentDecoded(std::string_view text) {
   return out;
 }
 
+bool IsSecret(std::string parameter) {
+  std::ranges::transform(parameter, parameter.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (parameter == "sslkey") return false;  // a file
+  return std::ranges::any_of(kSecrets,
+                             [&](std::string_view word) { return parameter.find(word) != std::string::npos; });
+}
+
 // The parameters but the secret ones: `?a=b&password=c` is `?a=b`.
 std::string PublicParameters(std::string_view query) {
   std::string out;
   while (!query.empty()) {
     const std::string_view parameter = query.substr(1, query.find('&', 1) - 1);  // behind `?` or `&`
-    const std::string key = PercentDecoded(parameter.substr(0, parameter.find('=')));
-    if (std::ranges::find(kSecrets, key) == kSecrets.end()) (out += out.empty() ? '?' : '&') += parameter;
+    if (!IsSecret(PercentDecoded(parameter.substr(0, parameter.find('=')))))
+      (out += out.empty() ? '?' : '&') += parameter;
     query.remove_prefix(1 + parameter.size());
   }
   return out;
@@ -139,14 +154,9 @@ bool IsServer(std::string_view path) {
 }
 
 std::size_t FindUri(std::string_view text, std::size_t from) {
-  constexpr std::string_view kWord = "postgres";
-  while (from < text.size()) {
-    const auto found = std::search(text.begin() + static_cast<std::ptrdiff_t>(from), text.end(), kWord.begin(),
-                                   kWord.end(), IsSameLetter);
-    from = static_cast<std::size_t>(found - text.begin());
-    if (SchemeOf(text.substr(from)) > 0) return from;
-    ++from;
-  }
+  const auto is_letter = [&](std::size_t at) { return std::isalpha(static_cast<unsigned char>(text[at])) != 0; };
+  for (; from < text.size(); ++from)
+    if (is_letter(from) && (from == 0 || !is_letter(from - 1)) && SchemeOf(text.substr(from)) > 0) return from;
   return std::string_view::npos;
 }
 

@@ -208,7 +208,8 @@ TEST_P(StoreContract, GivesRevisionsUp) {
   }
   Store store = Writer();
   store.Tag("a@2", "kept");
-  EXPECT_THAT(store.GiveUp({.keep = 2, .dry_run = true}).atlases[0].revisions, ElementsAre(1, 3, 4));
+  const GiveUpReport planned = store.GiveUp({.keep = 2, .dry_run = true});
+  EXPECT_THAT(planned.atlases[0].revisions, ElementsAre(1, 3, 4));
   ExpectHolds("a@1", saved[0]);
   const GiveUpReport report = store.GiveUp({.keep = 2});
   ASSERT_EQ(report.atlases.size(), 1U);

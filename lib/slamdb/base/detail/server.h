@@ -25,7 +25,7 @@ std::size_t NameBehind(std::string_view uri);
 // (`password=`, `sslpassword=` and the like). Everything else stays, byte for byte; so does what is no such URI.
 //
 // A password with `@` or `/` that are not percent-encoded goes, too, though libpq would take it for something else; and
-// so does one behind a scheme that is mistyped (`postgresql:/user:password@host`).
+// so does one behind a scheme that is mistyped (`postgresql:/user:password@host`, `pg://user:password@host`).
 SLAMDB_EXPORT std::string WithoutPassword(std::string_view uri);
 
 // A whole text, without the passwords of the URIs in it, which end at blanks and double quotes.

@@ -385,24 +385,48 @@ bool DeletesUntouched(const std::vector<Image>& base, const std::vector<Image>& 
   });
 }
 
+// Of keypoints that see a point in `part`, how many do in `all`, as a share: an atlas that was made of another has its
+// points, though some are fused.
+struct SeenInBoth {
+  std::size_t of_part = 0, of_both = 0;
+
+  void Add(const KeyFrame& part, const KeyFrame& all) {
+    const auto &one = part.features.map_points, &other = all.features.map_points;
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      if (!one[i].has_value()) continue;
+      ++of_part;
+      of_both += i < other.size() && other[i].has_value();
+    }
+  }
+  bool are_most() const { return 10 * of_both >= 9 * of_part; }
+};
+
 }  // namespace
 
 std::optional<BranchSide> FindContaining(const Branches& branches, int threads) {
   const std::vector<Image> base = ImagesOf(branches.base, threads), ours = ImagesOf(branches.ours, threads),
                            theirs = ImagesOf(branches.theirs, threads);
-  const auto contains = [&](const std::vector<Image>& part, const std::vector<Image>& all) {
+  const auto our_keyframes = KeyFramesOf(branches.ours), their_keyframes = KeyFramesOf(branches.theirs);
+  const auto contains = [&](const std::vector<Image>& part, const auto& in_part, const std::vector<Image>& all,
+                            const auto& in_all) {
     const std::vector<IdPair> old = MatchImages(part, base), common = MatchImages(part, all);
     std::size_t any_new = 0;
+    SeenInBoth seen;
     for (const Image& image : part) {
       if (FindPair(old, image.id) != nullptr) continue;
-      if (FindPair(common, image.id) == nullptr) return false;
+      const auto* pair = FindPair(common, image.id);
+      if (pair == nullptr) return false;
       ++any_new;
+      const auto one = in_part.find(pair->before), other = in_all.find(pair->after);
+      if (one != in_part.end() && other != in_all.end()) seen.Add(*one->second, *other->second);
     }
-    return !old.empty() && any_new > 0;
+    return !old.empty() && any_new > 0 && seen.are_most();
   };
-  if (contains(theirs, ours) && !DeletesUntouched(base, theirs, ours, branches.base, branches.ours))
+  if (contains(theirs, their_keyframes, ours, our_keyframes) &&
+      !DeletesUntouched(base, theirs, ours, branches.base, branches.ours))
     return BranchSide::kOurs;
-  if (contains(ours, theirs) && !DeletesUntouched(base, ours, theirs, branches.base, branches.theirs))
+  if (contains(ours, our_keyframes, theirs, their_keyframes) &&
+      !DeletesUntouched(base, ours, theirs, branches.base, branches.theirs))
     return BranchSide::kTheirs;
   return std::nullopt;
 }

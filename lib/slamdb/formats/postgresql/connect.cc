@@ -61,8 +61,9 @@ void CheckUri(const std::string& uri, const std::string& path) {
   if (settings && settings == SettingsOf(path, ignored)) return;
   if (uri != path)
     problem = "in its password, percent-encode what is neither letter nor digit: %40 for @, %2F for /, %3A for :";
-  throw Error(ErrorKind::kUsage, path, "",
-              detail::Concat("not a URI that libpq reads (", detail::Visible(problem), ")"));
+  throw Error(
+      ErrorKind::kUsage, path, "",
+      detail::Concat("not a URI that libpq reads (", detail::Visible(problem.substr(0, problem.find('\n'))), ")"));
 }
 
 // Seconds that each server has to answer; as libpq reads its own setting, where there is one: none below 2 s, and 0 is

@@ -35,7 +35,8 @@ constexpr std::array kMeanings = {
     Meaning{"25006", ErrorKind::kPermission, "the server is a standby, which is read only, or lets nobody write (",
             "): name the primary, or add ?target_session_attrs=read-write"},
     Meaning{"28", ErrorKind::kPermission, "the server does not let this user in (", kLetIn},
-    Meaning{"3D000", ErrorKind::kNotFound, "no such database (", "): createdb makes one"},
+    Meaning{"3D000", ErrorKind::kNotFound, "no such database (",
+            "): createdb makes one; an atlas is named behind a #, as in postgresql:///DATABASE#NAME"},
     Meaning{"3F000", ErrorKind::kNotFound, "", ""},
     Meaning{"40003", ErrorKind::kLocked, "the connection to the server was lost (", kTryAgain, true},
     Meaning{"40", ErrorKind::kLocked, "another program is at work on it (", kTryAgain, true},
@@ -99,7 +100,10 @@ ServerError ConnectionLost(const std::string& path, const std::string& place, st
 }
 
 ServerError NoServer(const std::string& path, std::string_view message) {
-  return {Error(ErrorKind::kNotFound, path, "", detail::Concat("no server answers (", OneLine(message), ")")), ""};
+  return {Error(ErrorKind::kNotFound, path, "",
+                detail::Concat("no server answers (", OneLine(message),
+                               "): check host and port, and that it runs and listens there")),
+          ""};
 }
 
 bool IsWorthRetrying(const Error& error) {

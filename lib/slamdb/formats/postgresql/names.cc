@@ -82,25 +82,52 @@ std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, con
 }
 
 // Deletes what only revisions have that are not kept.
-GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
+// Of rows of an atlas, $1, that no revision of those in $2 has.
+constexpr std::string_view kOfNone =
+    "until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM unnest($2::bigint[]) AS kept (number) WHERE since <= "
+    "kept.number "
+    "AND kept.number < until)";
+
+std::string PicturesOfNone() {
+  return Concat(
+      "picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE keyframe_features.atlas = $1 AND "
+      "keyframe_features.picture = picture.hash AND NOT (",
+      kOfNone, "))");
+}
+
+// `pictures`: how many, and their bytes.
+GivenUpRows SizesOf(std::uint64_t rows, const Row& pictures) {
   constexpr std::uint64_t kRowBytes = 200;  // about
-  GivenUpRows deleted;
-  for (const Versioned& each : VersionedTables()) {
-    const Result rows = connection.Query(
-        Concat("DELETE FROM ", each.table,
-               " WHERE atlas = $1 AND until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM "
-               "unnest($2::bigint[]) AS kept (number) WHERE since <= kept.number AND kept.number < until)"),
-        {atlas, std::span(kept)}, Concat("table ", each.table));
-    deleted.rows += static_cast<std::uint64_t>(rows.changed());
-  }
+  return {rows, static_cast<std::uint64_t>(pictures.Integer(0)),
+          kRowBytes * rows + static_cast<std::uint64_t>(pictures.Integer(1))};
+}
+
+GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
+  std::uint64_t rows = 0;
+  const std::vector<Parameter> parameters = {atlas, std::span(kept)};
+  for (const Versioned& each : VersionedTables())
+    rows += static_cast<std::uint64_t>(connection
+                                           .Query(Concat("DELETE FROM ", each.table, " WHERE atlas = $1 AND ", kOfNone),
+                                                  parameters, Concat("table ", each.table))
+                                           .changed());
   const Result pictures = connection.Query(
-      "WITH gone AS (DELETE FROM picture WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM keyframe_features WHERE "
-      "keyframe_features.atlas = $1 AND keyframe_features.picture = picture.hash) RETURNING octet_length(columns) AS "
-      "bytes) SELECT count(*), coalesce(sum(bytes), 0)::bigint FROM gone",
-      {atlas}, "table picture");
-  deleted.pictures = static_cast<std::uint64_t>(pictures[0].Integer(0));
-  deleted.bytes = kRowBytes * deleted.rows + static_cast<std::uint64_t>(pictures[0].Integer(1));
-  return deleted;
+      Concat("WITH gone AS (DELETE FROM ", PicturesOfNone(),
+             " RETURNING octet_length(columns) AS bytes) SELECT count(*), coalesce(sum(bytes), 0)::bigint FROM gone"),
+      parameters, "table picture");
+  return SizesOf(rows, pictures[0]);
+}
+
+// What that would be.
+GivenUpRows CountAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
+  std::uint64_t rows = 0;
+  const std::vector<Parameter> parameters = {atlas, std::span(kept)};
+  for (const Versioned& each : VersionedTables())
+    rows += static_cast<std::uint64_t>(
+        connection.Integer(Concat("SELECT count(*) FROM ", each.table, " WHERE atlas = $1 AND ", kOfNone), parameters));
+  const Result pictures = connection.Query(
+      Concat("SELECT count(*), coalesce(sum(octet_length(columns)), 0)::bigint FROM ", PicturesOfNone()), parameters,
+      "table picture");
+  return SizesOf(rows, pictures[0]);
 }
 
 void DeleteRevisionsBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
@@ -195,6 +222,15 @@ GivenUp PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptio
   std::vector<std::int64_t> gone;
   std::ranges::set_difference(NumbersOf(connection, atlas.atlas), kept, std::back_inserter(gone));
   return {atlas.name, {gone.begin(), gone.end()}, kept.size()};
+}
+
+void TellGiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, GiveUpReport& report) {
+  const Named atlas = Find(connection, name);
+  const GivenUp& plan = report.atlases.emplace_back(PlanGiveUp(connection, atlas, options));
+  if (plan.revisions.empty() || plan.kept == 0) return;
+  const GivenUpRows rows = CountAllBut(connection, atlas.atlas, KeptOf(connection, atlas, options));
+  report.pictures += rows.pictures;
+  report.bytes += rows.bytes;
 }
 
 void GiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, const LockOptions& lock,

@@ -274,8 +274,7 @@ GiveUpReport PostgresqlStore::GiveUp(const GiveUpOptions& options, const std::st
   for (const std::string& each : names) {
     try {
       if (options.dry_run)
-        Reading(
-            [&] { report.atlases.push_back(PlanGiveUp(connection_, postgresql::Find(connection_, each), options)); });
+        Reading([&] { TellGiveUp(connection_, each, options, report); });
       else
         Writing([&] { postgresql::GiveUp(connection_, each, options, lock_options(), report); });
     } catch (const Error& error) {

@@ -32,6 +32,8 @@ void RemoveTag(Connection& connection, const Named& named, const std::string& ta
 
 // Which revisions of an atlas Store::GiveUp gives up, ascending.
 GivenUp PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptions& options);
+// Adds to the report what GiveUp would.
+void TellGiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, GiveUpReport& report);
 // Gives them up, and adds to the report; inside the caller's transaction. What only they have is left where it is on
 // another server, whose rows go once the revisions are gone for good: DeleteGivenUp.
 void GiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, const LockOptions& lock,
