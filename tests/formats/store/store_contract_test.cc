@@ -221,6 +221,23 @@ TEST_P(StoreContract, GivesRevisionsUp) {
   EXPECT_THAT(ErrorOf([&] { Load("a@3"); }), HasSubstr("it has 2, 5, 6"));
 }
 
+TEST_P(StoreContract, WhatAnAtlasWasMadeOfMakesARevisionOnce) {
+  const Atlas atlas = SoundAtlas();
+  Atlas other = atlas;
+  other.maps[0].points[0].position.x() += 1;
+  Save(atlas);
+  Save(other, "b");
+  const RevisionName source = Writer().FindRevision("b");
+  const SaveReport merged = Writer().Save("a", atlas, {.from = source});
+  EXPECT_FALSE(merged.unchanged);
+  EXPECT_EQ(merged.revision, 2U);
+  EXPECT_EQ(Writer().Log("a").back().from, source);
+  ExpectHolds("a", atlas);
+  ExpectHolds("a@1", atlas);
+  EXPECT_TRUE(Writer().Save("a", atlas, {.from = source}).unchanged);
+  EXPECT_TRUE(Writer().Save("a", atlas).unchanged);
+}
+
 TEST_P(StoreContract, RemovesAnAtlasWithAllItsRevisions) {
   Atlas atlas = SoundAtlas();
   Save(atlas);

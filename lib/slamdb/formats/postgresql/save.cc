@@ -194,6 +194,17 @@ std::optional<StoredHead> FindHead(Connection& connection, const std::string& na
   return StoredHead{found[0].Integer(0), found[0].Integer(1), found[0].Integer(2)};
 }
 
+namespace {
+
+// As in a file (sqlite/save.cc): another atlas that no revision tells of yet makes one.
+bool HasNewSource(Connection& connection, std::int64_t atlas, const std::string& name, const SaveOptions& options) {
+  if (!options.from || options.from->atlas == name) return false;
+  return connection.Integer("SELECT count(*) FROM revision WHERE atlas = $1 AND from_atlas = $2 AND from_number = $3",
+                            {atlas, options.from->atlas, static_cast<std::int64_t>(options.from->number)}) == 0;
+}
+
+}  // namespace
+
 SaveReport SaveAtlas(Connection& connection, const std::string& name, const std::optional<StoredHead>& stored,
                      const Atlas& atlas, const AtlasHashes& hashes, const SaveOptions& options, const LockOptions& lock,
                      bool rewrite) {
@@ -206,7 +217,8 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const std:
   for (const Map& map : atlas.maps) context.entities += 100 * map.keyframes.size() + map.points.size();
   const AtlasSummary summary = Summarize(atlas);
   SaveReport report{.hash = static_cast<std::uint64_t>(hash), .replaced = !context.is_new};
-  report.unchanged = stored && !rewrite && !options.recorded && head.hash == hash;
+  report.unchanged = stored && !rewrite && !options.recorded && head.hash == hash &&
+                     !HasNewSource(connection, head.atlas, name, options);
   if (report.unchanged) {
     context.revision = head.revision;
     rows::CountUnchanged(atlas, context.changes);

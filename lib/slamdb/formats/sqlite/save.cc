@@ -322,6 +322,19 @@ void SaveOrder(SaveContext& context, std::int64_t map, std::string_view list, co
   update.Run();
 }
 
+namespace {
+
+// Whether it was made of another atlas, which no revision tells of yet: that makes a revision, though the atlas stays
+// as it is, so that what went on from there counts as merged.
+bool HasNewSource(Database& database, std::int64_t atlas, const std::string& name, const SaveOptions& options) {
+  if (!options.from || options.from->atlas == name) return false;
+  Statement known(database, "SELECT 1 FROM revision WHERE atlas = ?1 AND from_atlas = ?2 AND from_number = ?3",
+                  "table revision");
+  return !known.Bind(1, atlas).BindText(2, options.from->atlas).Bind(3, ToColumn(options.from->number)).Step();
+}
+
+}  // namespace
+
 void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
                const SaveOptions& options, Rewrite rewrite, SaveReport& report) {
   ChangeCounter changes;
@@ -333,7 +346,8 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
   PastWriter past(database, stored ? stored->row : 0, static_cast<std::int64_t>(report.revision), Carries(atlas));
   SaveContext context{.database = database, .options = options, .changes = changes, .past = past, .map = report.map};
   for (const Map& map : atlas.maps) context.entities += 100 * map.keyframes.size() + map.points.size();
-  if (stored && !options.recorded && rewrite == Rewrite::kWhatDiffers && stored->hash == hashes.Combined()) {
+  if (stored && !options.recorded && rewrite == Rewrite::kWhatDiffers && stored->hash == hashes.Combined() &&
+      !HasNewSource(database, stored->row, name, options)) {
     context.atlas = stored->row;
     report.unchanged = true;
     report.revision = static_cast<std::uint64_t>(stored->revision);
