@@ -335,173 +335,174 @@ TEST_P(StoreContract, FindsAtlasesByWhatItTellsOfThem) {
   for (const auto number :
        {kMaps, kKeyframes, kPoints, kObservations, kLandmarks, kLength, kDuration, kBytes, kRevision})
     EXPECT_THAT(found({.ranges = {{number, 0}}}), ElementsAre("a", "b", "c"));
-  // Their differences and squares are no numbers.
-  TEST_P(StoreContract, FindsWhatLiesAtTheEndsOfNumbers) {
-    constexpr double kMost = std::numeric_limits<double>::max(), kLeast = std::numeric_limits<double>::denorm_min(),
-                     kInfinity = std::numeric_limits<double>::infinity(),
-                     kNan = std::numeric_limits<double>::quiet_NaN();
-    const std::vector<double> ends{-kMost, -1.7e308, -1, -kLeast, 0, kLeast, 1, 1.7e308, kMost};
-    std::vector<std::pair<std::string, Atlas>> atlases;
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      Atlas atlas = SoundAtlas();
-      for (Map& map : atlas.maps)
-        for (std::size_t k = 0; k < map.keyframes.size(); ++k)
-          map.keyframes[k].timestamp = k % 2 == 0 ? ends[i] : ends[ends.size() - 1 - i];
-      for (Map& map : atlas.maps)
-        for (std::size_t k = 0; k < map.points.size(); ++k)
-          map.points[k].position.setConstant(static_cast<float>(std::clamp(ends[i], -3.4e38, 3.4e38)));
-      Save(atlas, "a" + std::to_string(i));
-      ExpectHolds("a" + std::to_string(i), atlas);
-      atlases.emplace_back("a" + std::to_string(i), std::move(atlas));
-    }
-    std::vector<MapQuery> queries;
-    std::vector<double> asked = ends;
-    asked.insert(asked.end(), {-kInfinity, kInfinity, kNan});
-    for (const double begin : asked)
-      for (const double end : asked) queries.emplace_back().times = MapQuery::Times{begin, end};
-    for (const double center : asked)
-      for (const double radius : asked)
-        queries.emplace_back().near = MapQuery::Ball{Eigen::Vector3d::Constant(center), radius};
-    Store store = Store::Open(path_);
-    for (const MapQuery& query : queries) {
-      std::vector<std::string> expected;
-      for (const auto& [name, atlas] : atlases)
-        if (Matches(atlas, query)) expected.push_back(name);
-      EXPECT_EQ(store.Find(query), expected) << (query.times ? query.times->begin : query.near->center.x()) << " "
-                                             << (query.times ? query.times->end : query.near->radius);
-    }
-  }
+}
 
-  TEST_P(StoreContract, ListsAsTheAtlasIs) {
-    const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
-    Save(atlas);
-    const std::vector<StoredAtlas> list = Store::Open(path_).List();
-    ASSERT_EQ(list.size(), 1U);
-    const AtlasSummary summary = Summarize(atlas);
-    EXPECT_EQ(list[0].name, "a");
-    EXPECT_EQ(list[0].problem, "");
-    EXPECT_EQ(list[0].hash, HashOf(atlas));
-    EXPECT_EQ(list[0].keyframes, summary.keyframes);
-    EXPECT_EQ(list[0].points, summary.points);
-    EXPECT_EQ(list[0].observations, summary.observations);
-    EXPECT_EQ(list[0].sensors, summary.sensors);
-    EXPECT_EQ(list[0].trajectory_length, summary.trajectory_length);
-    EXPECT_EQ(list[0].begin_time, summary.begin_time);
-    EXPECT_GT(list[0].bytes, 100'000U);
-    EXPECT_GT(Store::Open(path_).Stats().file_bytes, list[0].bytes / 2);
+// Their differences and squares are no numbers.
+TEST_P(StoreContract, FindsWhatLiesAtTheEndsOfNumbers) {
+  constexpr double kMost = std::numeric_limits<double>::max(), kLeast = std::numeric_limits<double>::denorm_min(),
+                   kInfinity = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> ends{-kMost, -1.7e308, -1, -kLeast, 0, kLeast, 1, 1.7e308, kMost};
+  std::vector<std::pair<std::string, Atlas>> atlases;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    Atlas atlas = SoundAtlas();
+    for (Map& map : atlas.maps)
+      for (std::size_t k = 0; k < map.keyframes.size(); ++k)
+        map.keyframes[k].timestamp = k % 2 == 0 ? ends[i] : ends[ends.size() - 1 - i];
+    for (Map& map : atlas.maps)
+      for (std::size_t k = 0; k < map.points.size(); ++k)
+        map.points[k].position.setConstant(static_cast<float>(std::clamp(ends[i], -3.4e38, 3.4e38)));
+    Save(atlas, "a" + std::to_string(i));
+    ExpectHolds("a" + std::to_string(i), atlas);
+    atlases.emplace_back("a" + std::to_string(i), std::move(atlas));
   }
+  std::vector<MapQuery> queries;
+  std::vector<double> asked = ends;
+  asked.insert(asked.end(), {-kInfinity, kInfinity, kNan});
+  for (const double begin : asked)
+    for (const double end : asked) queries.emplace_back().times = MapQuery::Times{begin, end};
+  for (const double center : asked)
+    for (const double radius : asked)
+      queries.emplace_back().near = MapQuery::Ball{Eigen::Vector3d::Constant(center), radius};
+  Store store = Store::Open(path_);
+  for (const MapQuery& query : queries) {
+    std::vector<std::string> expected;
+    for (const auto& [name, atlas] : atlases)
+      if (Matches(atlas, query)) expected.push_back(name);
+    EXPECT_EQ(store.Find(query), expected) << (query.times ? query.times->begin : query.near->center.x()) << " "
+                                           << (query.times ? query.times->end : query.near->radius);
+  }
+}
 
-  TEST_P(StoreContract, LoadsParts) {
-    const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_b/session_small_b.osa");
-    Save(atlas);
-    const Map& map = atlas.maps[0];
-    ReadOptions options;
-    options.selection.map = map.id;
-    options.selection.first_keyframe = map.keyframes[2].id.value();
-    options.selection.last_keyframe = map.keyframes[2].id.value() + 3;
-    options.selection.box = Eigen::AlignedBox3f(Eigen::Vector3f::Constant(-1), Eigen::Vector3f::Constant(1));
-    const Atlas part = Load("a", options);
-    ASSERT_EQ(part.maps.size(), 1U);
-    std::vector<KeyFrameId> expected;
-    for (const KeyFrame& keyframe : map.keyframes)
-      if (options.selection.Has(keyframe)) expected.push_back(keyframe.id);
-    std::vector<KeyFrameId> found;
-    for (const KeyFrame& keyframe : part.maps[0].keyframes) {
-      found.push_back(keyframe.id);
-      EXPECT_FALSE(keyframe.features.descriptors.empty());
-    }
-    EXPECT_EQ(found, expected);
-    EXPECT_GT(found.size(), 0U);
-    EXPECT_EQ(part.maps[0].points.size(),
-              static_cast<std::size_t>(std::ranges::count_if(
-                  map.points, [&](const MapPoint& point) { return options.selection.Has(point); })));
-    ReadOptions no_features;
-    no_features.features = FeatureColumns::kNone;
-    EXPECT_EQ(Load("a", no_features).maps[0].keyframes.size(), map.keyframes.size());
-  }
+TEST_P(StoreContract, ListsAsTheAtlasIs) {
+  const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
+  Save(atlas);
+  const std::vector<StoredAtlas> list = Store::Open(path_).List();
+  ASSERT_EQ(list.size(), 1U);
+  const AtlasSummary summary = Summarize(atlas);
+  EXPECT_EQ(list[0].name, "a");
+  EXPECT_EQ(list[0].problem, "");
+  EXPECT_EQ(list[0].hash, HashOf(atlas));
+  EXPECT_EQ(list[0].keyframes, summary.keyframes);
+  EXPECT_EQ(list[0].points, summary.points);
+  EXPECT_EQ(list[0].observations, summary.observations);
+  EXPECT_EQ(list[0].sensors, summary.sensors);
+  EXPECT_EQ(list[0].trajectory_length, summary.trajectory_length);
+  EXPECT_EQ(list[0].begin_time, summary.begin_time);
+  EXPECT_GT(list[0].bytes, 100'000U);
+  EXPECT_GT(Store::Open(path_).Stats().file_bytes, list[0].bytes / 2);
+}
 
-  TEST_P(StoreContract, KnowsPlacesByPictures) {
-    const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
-    Save(atlas, "here");
-    Save(ReadOsa(SLAMDB_FIXTURES "/session_small_b/session_small_b.osa"), "there");
-    const KeyFrame& keyframe = atlas.maps[0].keyframes[3];
-    const std::vector<Descriptor> picture(keyframe.features.descriptors.begin(), keyframe.features.descriptors.end());
-    const std::span<const Descriptor> pictures[] = {picture};
-    const StoredPlaces places = Store::Open(path_).PlacesLike(pictures);
-    ASSERT_FALSE(places.by_picture[0].empty());
-    EXPECT_EQ(places.by_picture[0][0].atlas, "here");
-    EXPECT_THAT(places.unknown, IsEmpty());
-    EXPECT_NEAR(static_cast<double>(places.by_picture[0][0].keyframe.value()), static_cast<double>(keyframe.id.value()),
-                8);
+TEST_P(StoreContract, LoadsParts) {
+  const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_b/session_small_b.osa");
+  Save(atlas);
+  const Map& map = atlas.maps[0];
+  ReadOptions options;
+  options.selection.map = map.id;
+  options.selection.first_keyframe = map.keyframes[2].id.value();
+  options.selection.last_keyframe = map.keyframes[2].id.value() + 3;
+  options.selection.box = Eigen::AlignedBox3f(Eigen::Vector3f::Constant(-1), Eigen::Vector3f::Constant(1));
+  const Atlas part = Load("a", options);
+  ASSERT_EQ(part.maps.size(), 1U);
+  std::vector<KeyFrameId> expected;
+  for (const KeyFrame& keyframe : map.keyframes)
+    if (options.selection.Has(keyframe)) expected.push_back(keyframe.id);
+  std::vector<KeyFrameId> found;
+  for (const KeyFrame& keyframe : part.maps[0].keyframes) {
+    found.push_back(keyframe.id);
+    EXPECT_FALSE(keyframe.features.descriptors.empty());
   }
+  EXPECT_EQ(found, expected);
+  EXPECT_GT(found.size(), 0U);
+  EXPECT_EQ(part.maps[0].points.size(),
+            static_cast<std::size_t>(std::ranges::count_if(
+                map.points, [&](const MapPoint& point) { return options.selection.Has(point); })));
+  ReadOptions no_features;
+  no_features.features = FeatureColumns::kNone;
+  EXPECT_EQ(Load("a", no_features).maps[0].keyframes.size(), map.keyframes.size());
+}
 
-  TEST_P(StoreContract, OfTwoWhoSaveOneAtlasOneWaits) {
-    const Atlas atlas = SoundAtlas();
-    Save(atlas);
-    Atlas other = atlas;
-    other.maps[0].points[0].position.x() += 1;
-    SaveOptions options;
-    options.before_commit = [&] {
-      EXPECT_THAT(ErrorOf([&] { Writer(0.05).Save("a", OddAtlas()); }), HasSubstr("locked by slamdb"));
-      ExpectHolds("a", atlas);  // readers see what was there
-    };
-    Save(other, "a", options);
-    ExpectHolds("a", other);
-    options.before_commit = [] { throw std::runtime_error("no"); };
-    EXPECT_THROW(Save(OddAtlas(), "a", options), std::runtime_error);
-    ExpectHolds("a", other);
-    EXPECT_THROW(Save(OddAtlas(), "new", options), std::runtime_error);
-    EXPECT_THAT(Store::Open(path_).Names(), ElementsAre("a"));
-  }
+TEST_P(StoreContract, KnowsPlacesByPictures) {
+  const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
+  Save(atlas, "here");
+  Save(ReadOsa(SLAMDB_FIXTURES "/session_small_b/session_small_b.osa"), "there");
+  const KeyFrame& keyframe = atlas.maps[0].keyframes[3];
+  const std::vector<Descriptor> picture(keyframe.features.descriptors.begin(), keyframe.features.descriptors.end());
+  const std::span<const Descriptor> pictures[] = {picture};
+  const StoredPlaces places = Store::Open(path_).PlacesLike(pictures);
+  ASSERT_FALSE(places.by_picture[0].empty());
+  EXPECT_EQ(places.by_picture[0][0].atlas, "here");
+  EXPECT_THAT(places.unknown, IsEmpty());
+  EXPECT_NEAR(static_cast<double>(places.by_picture[0][0].keyframe.value()), static_cast<double>(keyframe.id.value()),
+              8);
+}
 
-  TEST_P(StoreContract, NoUpdateIsLostOfMany) {
-    Save(SoundAtlas(), "shared");
-    constexpr int kWriters = 4, kSaves = 5;
-    std::atomic<int> revisions{0};
-    std::vector<std::thread> writers;
-    for (int w = 0; w < kWriters; ++w)
-      writers.emplace_back([&, w] {
-        Store store = Writer(60);
-        for (int s = 0; s < kSaves; ++s) {
-          Atlas atlas = SoundAtlas();
-          atlas.maps[0].points[0].position = {static_cast<float>(w), static_cast<float>(s), 1};
-          store.Save("own" + std::to_string(w), atlas);
-          if (!store.Save("shared", atlas).unchanged) ++revisions;
-        }
-      });
-    for (std::thread& writer : writers) writer.join();
-    Store store = Store::Open(path_);
-    EXPECT_EQ(store.FindRevision("shared").number, static_cast<std::uint64_t>(revisions) + 1);
-    for (int w = 0; w < kWriters; ++w) {
-      const Atlas atlas = store.Load("own" + std::to_string(w));
-      EXPECT_EQ(atlas.maps[0].points[0].position, Eigen::Vector3f(static_cast<float>(w), kSaves - 1, 1));
-    }
-    for (std::uint64_t number = 1; number <= store.FindRevision("shared").number; ++number)
-      EXPECT_NO_THROW(store.Load("shared@" + std::to_string(number)));
-  }
+TEST_P(StoreContract, OfTwoWhoSaveOneAtlasOneWaits) {
+  const Atlas atlas = SoundAtlas();
+  Save(atlas);
+  Atlas other = atlas;
+  other.maps[0].points[0].position.x() += 1;
+  SaveOptions options;
+  options.before_commit = [&] {
+    EXPECT_THAT(ErrorOf([&] { Writer(0.05).Save("a", OddAtlas()); }), HasSubstr("locked by slamdb"));
+    ExpectHolds("a", atlas);  // readers see what was there
+  };
+  Save(other, "a", options);
+  ExpectHolds("a", other);
+  options.before_commit = [] { throw std::runtime_error("no"); };
+  EXPECT_THROW(Save(OddAtlas(), "a", options), std::runtime_error);
+  ExpectHolds("a", other);
+  EXPECT_THROW(Save(OddAtlas(), "new", options), std::runtime_error);
+  EXPECT_THAT(Store::Open(path_).Names(), ElementsAre("a"));
+}
 
-  TEST_P(StoreContract, AnAtlasThatMovesKeepsItsHashAndItsBytes) {
-    if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "postgresql is not installed";
-    const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
-    const std::uint64_t hash = Save(atlas).hash;
-    PostgresqlServer& server = PostgresqlServer::Shared();
-    const std::string other =
-        GetParam() == Keeper::kPostgresql ? folder_ / "other.db" : server.Uri(server.MakeDatabase());
-    EXPECT_EQ(Store::OpenForWriting(other).Save("a", Load()).hash, hash);
-    EXPECT_EQ(FirstDifference(Store::Open(other).Load("a"), atlas), "");
+TEST_P(StoreContract, NoUpdateIsLostOfMany) {
+  Save(SoundAtlas(), "shared");
+  constexpr int kWriters = 4, kSaves = 5;
+  std::atomic<int> revisions{0};
+  std::vector<std::thread> writers;
+  for (int w = 0; w < kWriters; ++w)
+    writers.emplace_back([&, w] {
+      Store store = Writer(60);
+      for (int s = 0; s < kSaves; ++s) {
+        Atlas atlas = SoundAtlas();
+        atlas.maps[0].points[0].position = {static_cast<float>(w), static_cast<float>(s), 1};
+        store.Save("own" + std::to_string(w), atlas);
+        if (!store.Save("shared", atlas).unchanged) ++revisions;
+      }
+    });
+  for (std::thread& writer : writers) writer.join();
+  Store store = Store::Open(path_);
+  EXPECT_EQ(store.FindRevision("shared").number, static_cast<std::uint64_t>(revisions) + 1);
+  for (int w = 0; w < kWriters; ++w) {
+    const Atlas atlas = store.Load("own" + std::to_string(w));
+    EXPECT_EQ(atlas.maps[0].points[0].position, Eigen::Vector3f(static_cast<float>(w), kSaves - 1, 1));
   }
+  for (std::uint64_t number = 1; number <= store.FindRevision("shared").number; ++number)
+    EXPECT_NO_THROW(store.Load("shared@" + std::to_string(number)));
+}
 
-  TEST_P(StoreContract, RefusesWhatAReaderMayNotDoAndWhatMeansNothing) {
-    EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }),
-                ::testing::AnyOf(HasSubstr("no such file"), HasSubstr("holds no store yet")));
-    Save(SoundAtlas());
-    Store reader = Store::Open(path_);
-    EXPECT_THAT(ErrorOf([&] { reader.Save("b", Atlas{}); }), HasSubstr("opened for reading"));
-    EXPECT_THAT(ErrorOf([&] { reader.Tag("a", "t"); }), HasSubstr("opened for reading"));
-    EXPECT_THAT(ErrorOf([&] { Writer().Restore("a"); }), HasSubstr("is the newest"));
-    EXPECT_THAT(ErrorOf([&] { Writer().Tag("a", "3"); }), HasSubstr("no name for a revision"));
-    EXPECT_EQ(reader.OnlyName(), "a");
-  }
+TEST_P(StoreContract, AnAtlasThatMovesKeepsItsHashAndItsBytes) {
+  if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "postgresql is not installed";
+  const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
+  const std::uint64_t hash = Save(atlas).hash;
+  PostgresqlServer& server = PostgresqlServer::Shared();
+  const std::string other =
+      GetParam() == Keeper::kPostgresql ? folder_ / "other.db" : server.Uri(server.MakeDatabase());
+  EXPECT_EQ(Store::OpenForWriting(other).Save("a", Load()).hash, hash);
+  EXPECT_EQ(FirstDifference(Store::Open(other).Load("a"), atlas), "");
+}
+
+TEST_P(StoreContract, RefusesWhatAReaderMayNotDoAndWhatMeansNothing) {
+  EXPECT_THAT(ErrorOf([&] { Store::Open(path_); }),
+              ::testing::AnyOf(HasSubstr("no such file"), HasSubstr("holds no store yet")));
+  Save(SoundAtlas());
+  Store reader = Store::Open(path_);
+  EXPECT_THAT(ErrorOf([&] { reader.Save("b", Atlas{}); }), HasSubstr("opened for reading"));
+  EXPECT_THAT(ErrorOf([&] { reader.Tag("a", "t"); }), HasSubstr("opened for reading"));
+  EXPECT_THAT(ErrorOf([&] { Writer().Restore("a"); }), HasSubstr("is the newest"));
+  EXPECT_THAT(ErrorOf([&] { Writer().Tag("a", "3"); }), HasSubstr("no name for a revision"));
+  EXPECT_EQ(reader.OnlyName(), "a");
+}
 
 }  // namespace
 }  // namespace slamdb::store_test

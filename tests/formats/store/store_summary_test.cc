@@ -208,7 +208,7 @@ TEST_F(StoreFind, ByEverythingAtOnce) {
   query.keyframes = {{atlases_.at("s2").maps[0].keyframes[3].id.value(), 0}};
   query.keyframes->last = query.keyframes->first;
   EXPECT_EQ(Store::Open(path_).Find(query), InMemory(query)) << "another map has that keyframe";
-  EXPECT_EQ(Store::Open(path_).Find({}).size(), 5U) << "nothing is asked for";
+  EXPECT_EQ(Store::Open(path_).Find(MapQuery()).size(), 5U) << "nothing is asked for";
 }
 
 }  // namespace
