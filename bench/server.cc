@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "bench/server_compare.h"
+#include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/formats.h"
 #include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/store/store.h"
@@ -150,7 +151,7 @@ int CostOfAnAtlas(const std::string& path, int rounds) {
               << Quantile(log, 0.5) << " MB |\n"
               << std::flush;
   };
-  const auto name = [](int round) { return "a" + std::to_string(round); };
+  const auto name = [](int round) { return detail::Concat("a", round); };
   row("save", [&](int round) { return meter.Of([&] { store.Save(name(round), atlas); }); });
   int version = 0;
   const auto change = [&](int) {
