@@ -182,8 +182,10 @@ TEST(SarifReport, IsSarif) {
     }
     EXPECT_TRUE(location["logicalLocations"][0]["fullyQualifiedName"].is_string());
   }
-  EXPECT_EQ(run["results"][0]["ruleId"], "unreadable");
-  EXPECT_EQ(run["results"][0]["level"], "error");
+  const auto unreadable =
+      std::ranges::find(run["results"], json("unreadable"), [](const json& result) { return result["ruleId"]; });
+  ASSERT_NE(unreadable, run["results"].end());
+  EXPECT_EQ((*unreadable)["level"], "error");
   EXPECT_EQ(run["invocations"][0]["executionSuccessful"], false);
   EXPECT_EQ(run["invocations"][0]["toolExecutionNotifications"].size(), 1u);
 }

@@ -64,6 +64,16 @@ std::uint64_t ForgetWords(Connection& connection, const Partition& partition, st
           .changed());
 }
 
+// Those of maps that never were.
+std::uint64_t ForgetPlaces(Connection& connection, const Partition& partition, std::int64_t atlas) {
+  return static_cast<std::uint64_t>(
+      connection
+          .Query(Concat("DELETE FROM place WHERE atlas = $1 AND NOT EXISTS (SELECT 1 FROM ", partition.Table("map"),
+                        " WHERE map.atlas = $1 AND map.row = place.map AND map.until = 2147483647)"),
+                 {atlas}, "table place")
+          .changed());
+}
+
 }  // namespace
 
 std::string Partition::Table(std::string_view table) const {
@@ -121,7 +131,8 @@ std::uint64_t UndoUnfinished(Connection& connection, const Partition& partition,
             .changed();
   }
   if (newest == 0) rows += DeletePictures(connection, atlas);
-  return static_cast<std::uint64_t>(rows) + ForgetWords(connection, partition, atlas);
+  return static_cast<std::uint64_t>(rows) + ForgetWords(connection, partition, atlas) +
+         ForgetPlaces(connection, partition, atlas);
 }
 
 bool IsOfOtherServer(const Error& error) {

@@ -63,8 +63,9 @@ void ReadRevision(const Statement& row, int column, HistoryEntry& entry) {
 // Of the history and its revisions, as ReadEntry takes them: these are found by their key, as no index leads from a
 // history to them.
 constexpr std::string_view kEntries =
-    "SELECT at, tool, action, coalesce(history.atlas, ''), provenance, maps, keyframes, points, observations, "
-    "inserted, updated, deleted, unchanged, history.hash, coalesce(who, ''), coalesce(history.revision, 0), "
+    "SELECT at, tool, action, coalesce(history.atlas, ''), provenance, history.maps, history.keyframes, "
+    "history.points, history.observations, inserted, updated, deleted, unchanged, history.hash, coalesce(who, ''), "
+    "coalesce(history.revision, 0), "
     "revision.number IS NOT NULL, (SELECT group_concat(tag.name, '\n') FROM tag WHERE tag.atlas = revision.atlas AND "
     "tag.number = revision.number), from_atlas, from_number, from_hash, keyframes_added, keyframes_removed, "
     "keyframes_moved, points_added, points_removed, points_moved, observations_added, observations_removed "
