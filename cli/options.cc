@@ -169,13 +169,13 @@ void AddOutputPlace(CLI::App& verb, std::string& output, Writes writes, const st
 
 namespace {
 
-constexpr const char* kPlaces = ": a file, STORE.db#NAME, postgresql://USER@HOST/DATABASE#NAME, or - for standard ";
+constexpr const char* kPlaces = ": a file, STORE.db#NAME, postgresql://HOST/DB#NAME, or -";
 
 }  // namespace
 
-std::string AtlasAt(const std::string& what) { return what + kPlaces + "input"; }
+std::string AtlasAt(const std::string& what) { return what + kPlaces; }
 
-std::string OutputAt() { return std::string("Where to") + kPlaces + "output"; }
+std::string OutputAt() { return std::string("Where to") + kPlaces; }
 
 std::string StoreAt(const std::string& what) {
   return what + ": an SQLite file of slamdb, or a database, postgresql://USER@HOST/DATABASE";

@@ -362,6 +362,7 @@ TEST(GuardedOptions, AreAllThatNameFiles) {
       "[-]COLUMN,...",
       "[-]N",
       "NUMBER",
+      "NUMBER=LOW:HIGH,...",
   };
   for (const auto& [verb, type] : TypesOfOptions())
     EXPECT_TRUE(type.find("FILE") != std::string::npos || type.find('{') != std::string::npos ||  // a list of words

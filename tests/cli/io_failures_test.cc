@@ -120,9 +120,9 @@ class Trial {
   // False: the verb writes nothing. What vacuum writes means what it meant.
   bool RunClean() {
     Begin();
-    old_ = ContentHere();
+    old_ = Here();
     clean_ = RunOn(line_, 0, "none", Log());
-    new_ = ContentHere();
+    new_ = Here();
     EXPECT_THAT(clean_.exit_code, ::testing::AnyOf(0, 1, 3)) << "a new verb may need a line in verbs.cc";
     return new_ != old_ || line_.front() == "vacuum";
   }
@@ -132,7 +132,7 @@ class Trial {
     Begin();
     const Run run = RunOn(line_, at, how, Log());
     SCOPED_TRACE(how + " at call " + std::to_string(at) + " (" + run.failed + ")");
-    const Content now = ContentHere();
+    const Content now = Here();
     ExpectOldOrNew(now, /*temporaries=*/how == "kill");
     ExpectTogether(now, /*may_be_unfinished=*/how == "kill");
     if (run.exit_code == clean_.exit_code && run.exit_code != 1) {
@@ -144,12 +144,19 @@ class Trial {
       EXPECT_EQ(next.exit_code, clean_.exit_code);
     else
       EXPECT_THAT(next.exit_code, ::testing::AnyOf(clean_.exit_code, 1));
-    ExpectOldOrNew(ContentHere(), /*temporaries=*/false);
-    ExpectTogether(ContentHere(), /*may_be_unfinished=*/false);
+    ExpectOldOrNew(Here(), /*temporaries=*/false);
+    ExpectTogether(Here(), /*may_be_unfinished=*/false);
   }
 
  private:
   std::string Log() const { return outside_ / "log"; }
+
+  Content Here() const {
+    Content content = ContentHere();
+    // Kept wherever it ends, line by line, and with times of files in it: many_test.cc.
+    if (line_.front() == "check") content.erase("journal.out");
+    return content;
+  }
 
   void Begin() {
     fs::current_path(before_);
