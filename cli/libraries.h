@@ -9,8 +9,8 @@ namespace slamdb::cli {
 // What the process was started with, for the other program: the words, and a null pointer behind the last.
 void RememberWords(char** words);
 
-// For verbs that draw, solve, read pictures or name a server, before they read or write anything: the one program goes on as the
-// other, with the same words. In that one nothing happens.
+// For verbs that draw, solve, read pictures or name a server, before they read or write anything: the one program goes
+// on as the other, with the same words. In that one nothing happens.
 //
 // Throws Error when the other program cannot be started.
 void GoOnWithLibraries();

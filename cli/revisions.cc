@@ -5,7 +5,9 @@ namespace slamdb::cli {
 
 void AddRevision(CLI::App& verb, RevisionOptions& options, const std::string& help) {
   const auto check = [](const std::string& text) {
-    return Location::Parse(text).name.empty() ? "expected STORE.db#NAME or postgresql://USER@HOST/DATABASE#NAME, found '" + text + "'" : std::string();
+    return Location::Parse(text).name.empty()
+               ? "expected STORE.db#NAME or postgresql://USER@HOST/DATABASE#NAME, found '" + text + "'"
+               : std::string();
   };
   verb.add_option("STORE#NAME", options.atlas, help)->type_name("FILE")->required()->check(check);
   AddWait(verb, options.wait);

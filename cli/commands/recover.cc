@@ -8,8 +8,8 @@
 #include "cli/edit.h"
 #include "cli/report/layout.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/salvage.h"
 #include "slamdb/formats/rows/options.h"
+#include "slamdb/formats/salvage.h"
 
 namespace slamdb::cli {
 namespace {
