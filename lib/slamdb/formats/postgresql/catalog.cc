@@ -14,6 +14,7 @@
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
 #include "slamdb/formats/rows/detail/atlas_conditions.h"
+#include "slamdb/formats/rows/detail/history_row.h"
 #include "slamdb/formats/rows/detail/summary_columns.h"
 
 namespace slamdb::postgresql {
@@ -95,12 +96,6 @@ class Conditions {
   std::vector<Parameter> parameters_;
 };
 
-std::vector<std::string> FirstColumn(const Result& found) {
-  std::vector<std::string> texts;
-  for (std::size_t i = 0; i < found.rows(); ++i) texts.emplace_back(found[i].Text(0));
-  return texts;
-}
-
 std::string LikeOf(std::string_view text) {
   std::string pattern;
   for (const char letter : text) {
@@ -108,28 +103,6 @@ std::string LikeOf(std::string_view text) {
     pattern += letter == '*' ? '%' : letter == '?' ? '_' : letter;
   }
   return pattern;
-}
-
-// Of the columns from `column` on: who, revision, whether it can be read, what it is from, changes.
-void ReadRevision(const Row& row, std::size_t column, HistoryEntry& entry) {
-  entry.who = row.Text(column++);
-  entry.revision = Unsigned(row, column++);
-  entry.readable = row.Integer(column++) != 0;
-  const std::string tags(row.Text(column++));
-  for (std::size_t first = 0; first < tags.size();) {
-    const std::size_t end = std::min(tags.find('\n', first), tags.size());
-    entry.tags.push_back(tags.substr(first, end - first));
-    first = end + 1;
-  }
-  if (!row.IsNull(column))
-    entry.from = RevisionName{std::string(row.Text(column)), Unsigned(row, column + 1), Unsigned(row, column + 2)};
-  column += 3;
-  if (row.IsNull(column)) return;
-  MapChanges& changes = entry.changes.emplace();
-  for (std::uint64_t* count :
-       {&changes.keyframes_added, &changes.keyframes_removed, &changes.keyframes_moved, &changes.points_added,
-        &changes.points_removed, &changes.points_moved, &changes.observations_added, &changes.observations_removed})
-    *count = Unsigned(row, column++);
 }
 
 // What `where` tells apart, oldest first.
@@ -147,17 +120,7 @@ std::vector<HistoryEntry> ReadEntries(Connection& connection, std::string_view w
           where, " ORDER BY history.row"),
       parameters, "table history");
   std::vector<HistoryEntry> entries;
-  for (std::size_t i = 0; i < found.rows(); ++i) {
-    const Row row = found[i];
-    HistoryEntry& entry = entries.emplace_back();
-    std::size_t column = 0;
-    for (std::string* text : {&entry.at, &entry.tool, &entry.action, &entry.atlas, &entry.provenance})
-      *text = row.Text(column++);
-    for (std::uint64_t* value : {&entry.maps, &entry.keyframes, &entry.points, &entry.observations, &entry.inserted,
-                                 &entry.updated, &entry.deleted, &entry.unchanged, &entry.hash})
-      *value = Unsigned(row, column++);
-    ReadRevision(row, column, entry);
-  }
+  for (std::size_t i = 0; i < found.rows(); ++i) entries.push_back(rows::HistoryEntryOf(found[i]));
   return entries;
 }
 
@@ -241,7 +204,7 @@ std::vector<std::string> FindAtlases(Connection& connection, const MapQuery& que
       connection.Query(Concat("SELECT name FROM atlas WHERE row IN (SELECT map.atlas FROM ", partition.Table("map"),
                               " WHERE map.until = 2147483647", conditions.sql(), ") ORDER BY name COLLATE \"C\""),
                        conditions.parameters(), "table map");
-  return FirstColumn(found);
+  return found.Texts();
 }
 
 std::vector<std::string> FindAtlases(Connection& connection, const AtlasQuery& query) {
@@ -250,9 +213,10 @@ std::vector<std::string> FindAtlases(Connection& connection, const AtlasQuery& q
   std::vector<Parameter> parameters;
   for (const auto& parameter : conditions.parameters)
     std::visit([&](const auto& value) { parameters.emplace_back(value); }, parameter);
-  return FirstColumn(
-      connection.Query(Concat("SELECT name FROM atlas WHERE ", conditions.sql, " ORDER BY name COLLATE \"C\""),
-                       parameters, "table atlas"));
+  return connection
+      .Query(Concat("SELECT name FROM atlas WHERE ", conditions.sql, " ORDER BY name COLLATE \"C\""), parameters,
+             "table atlas")
+      .Texts();
 }
 
 std::vector<HistoryEntry> ReadHistory(Connection& connection, const std::string& name) {

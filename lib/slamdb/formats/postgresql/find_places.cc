@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slamdb/formats/postgresql/detail/find_places.h"
 
-#include <bit>
 #include <cstring>
 
 #include "slamdb/base/detail/concat.h"
@@ -17,24 +16,16 @@ constexpr std::size_t kMaps = 64;      // of these, whose keyframes are compared
 constexpr std::int64_t kOthers = 64;   // atlases that stand for all
 constexpr std::int64_t kOfAMap = 64;   // keyframes of each of their maps
 
-double ShareOf(const rows::PlaceWords& words) {
-  int count = 0;
-  for (const std::uint64_t part : words) count += std::popcount(part);
-  return count / (64.0 * static_cast<double>(words.size()));
-}
-
 bool HasFewPlaces(Connection& connection, const Partition& partition) {
   return connection.Integer(Concat("SELECT count(*) FROM (SELECT 1 FROM ", partition.Table("place"), " LIMIT ",
                                    kPlaces + 1, ") AS few")) <= kPlaces;
 }
 
 std::vector<std::int64_t> RowsOf(Connection& connection, const std::vector<std::string>& names) {
-  std::vector<std::int64_t> rows;
-  if (names.empty()) return rows;
-  const Result found = connection.Query("SELECT row FROM atlas WHERE name = ANY ($1)",
-                                        {std::span<const std::string>(names)}, "table atlas");
-  for (std::size_t i = 0; i < found.rows(); ++i) rows.push_back(found[i].Integer(0));
-  return rows;
+  if (names.empty()) return {};
+  return connection
+      .Query("SELECT row FROM atlas WHERE name = ANY ($1)", {std::span<const std::string>(names)}, "table atlas")
+      .Integers();
 }
 
 bool CopyWords(Bytes bytes, rows::PlaceWords& words) {
@@ -45,10 +36,11 @@ bool CopyWords(Bytes bytes, rows::PlaceWords& words) {
 
 // Some keyframes of atlases that hashes choose: any, and the same ones each time.
 std::vector<rows::PlaceWords> ReadOthers(Connection& connection, const Partition& partition) {
-  std::set<std::int64_t> atlases;
-  const Result chosen = connection.Query("SELECT row FROM atlas WHERE keyframes > 0 ORDER BY hash, row LIMIT $1",
-                                         {kOthers}, "table atlas");
-  for (std::size_t i = 0; i < chosen.rows(); ++i) atlases.insert(chosen[i].Integer(0));
+  const std::vector<std::int64_t> chosen =
+      connection
+          .Query("SELECT row FROM atlas WHERE keyframes > 0 ORDER BY hash, row LIMIT $1", {kOthers}, "table atlas")
+          .Integers();
+  const std::set<std::int64_t> atlases(chosen.begin(), chosen.end());
   std::vector<rows::PlaceWords> others;
   if (atlases.empty()) return others;
   connection.CopyOut(
@@ -87,7 +79,7 @@ std::set<MapKey> PlaceFinder::MapsLikeAny(Connection& connection, const Partitio
   const std::vector<std::int64_t> without = RowsOf(connection, options_.without);
   std::set<MapKey> maps;
   for (const rows::PlaceWords& picture : pictures_) {
-    const double share = ShareOf(picture);
+    const double share = rows::CountOf(picture) / (8.0 * sizeof picture);
     if (share == 0) continue;
     const Result found = connection.Query(
         best, {Parameter::Bits(std::as_bytes(std::span(picture))), share, std::span<const std::int64_t>(without)},

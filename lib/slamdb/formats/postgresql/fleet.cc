@@ -157,10 +157,11 @@ std::vector<FleetPartition> ReadPartitions(Connection& store) {
 
 // Of atlases that the store does not have.
 std::uint64_t DeleteStray(Connection& store, std::int64_t partition) {
-  std::vector<std::int64_t> atlases;
-  const Result found = store.Query(Concat("SELECT row FROM atlas WHERE ", IsInPartition("row", "$1::integer")),
-                                   {static_cast<std::int32_t>(partition)}, "table atlas");
-  for (std::size_t i = 0; i < found.rows(); ++i) atlases.push_back(found[i].Integer(0));
+  const std::vector<std::int64_t> atlases =
+      store
+          .Query(Concat("SELECT row FROM atlas WHERE ", IsInPartition("row", "$1::integer")),
+                 {static_cast<std::int32_t>(partition)}, "table atlas")
+          .Integers();
   std::int64_t rows = 0;
   for (const std::string_view table : PartitionedTables())
     rows += store

@@ -107,13 +107,14 @@ void Move(Connection& store, std::int64_t partition, const ForeignServer& to, co
 
 // All transactions that have read something of the store; as the server writes them.
 std::vector<std::string> Readers(Connection& store) {
-  const Result found = store.Query(
-      "SELECT DISTINCT virtualtransaction FROM pg_locks WHERE locktype = 'relation' AND pid <> pg_backend_pid() AND "
-      "database = (SELECT oid FROM pg_database WHERE datname = current_database()) AND relation IN (SELECT oid FROM "
-      "pg_class WHERE relnamespace = to_regnamespace('slamdb'))");
-  std::vector<std::string> readers;
-  for (std::size_t i = 0; i < found.rows(); ++i) readers.emplace_back(found[i].Text(0));
-  return readers;
+  return store
+      .Query(
+          "SELECT DISTINCT virtualtransaction FROM pg_locks WHERE locktype = 'relation' AND pid <> pg_backend_pid() "
+          "AND "
+          "database = (SELECT oid FROM pg_database WHERE datname = current_database()) AND relation IN (SELECT oid "
+          "FROM "
+          "pg_class WHERE relnamespace = to_regnamespace('slamdb'))")
+      .Texts();
 }
 
 void WaitForReaders(Connection& store, const FleetOptions& options) {

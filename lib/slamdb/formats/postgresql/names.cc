@@ -15,32 +15,19 @@ namespace {
 using detail::Concat;
 
 std::optional<Named> FindNewest(Connection& connection, std::string_view name) {
-  // By the revisions themselves: what the row of the atlas says is for lists.
-  const Result found = connection.Query(
-      "SELECT row, (SELECT max(number) FROM revision WHERE revision.atlas = row) FROM atlas WHERE name = $1", {name},
-      "table atlas");
-  if (found.rows() == 0) return std::nullopt;
-  const std::int64_t newest = found[0].Integer(1);
-  return Named{found[0].Integer(0), std::string(name), newest, newest};
+  const std::optional<StoredHead> head = FindHead(connection, name);
+  if (!head) return std::nullopt;
+  return Named{head->atlas, std::string(name), head->revision, head->revision};
 }
 
 std::vector<std::int64_t> NumbersOf(Connection& connection, std::int64_t atlas) {
-  const Result found =
-      connection.Query("SELECT number FROM revision WHERE atlas = $1 ORDER BY number", {atlas}, "table revision");
-  std::vector<std::int64_t> numbers;
-  for (std::size_t i = 0; i < found.rows(); ++i) numbers.push_back(found[i].Integer(0));
-  return numbers;
-}
-
-std::vector<std::string> Texts(const Result& result) {
-  std::vector<std::string> texts;
-  for (std::size_t i = 0; i < result.rows(); ++i) texts.emplace_back(result[i].Text(0));
-  return texts;
+  return connection.Query("SELECT number FROM revision WHERE atlas = $1 ORDER BY number", {atlas}, "table revision")
+      .Integers();
 }
 
 std::vector<std::string> TagsOf(Connection& connection, std::int64_t atlas) {
-  return Texts(
-      connection.Query("SELECT name FROM tag WHERE atlas = $1 ORDER BY name COLLATE \"C\"", {atlas}, "table tag"));
+  return connection.Query("SELECT name FROM tag WHERE atlas = $1 ORDER BY name COLLATE \"C\"", {atlas}, "table tag")
+      .Texts();
 }
 
 Error NotFound(Connection& connection, const Named& of, std::string_view which, std::string_view why = {}) {
@@ -137,6 +124,16 @@ void DeleteRevisionsBut(Connection& connection, std::int64_t atlas, const std::v
 
 }  // namespace
 
+std::optional<StoredHead> FindHead(Connection& connection, std::string_view name) {
+  // By the revisions themselves: what the row of the atlas says is for lists.
+  const Result found = connection.Query(
+      "SELECT row, coalesce(number, 0), revision.hash FROM atlas LEFT JOIN revision ON revision.atlas = row WHERE name "
+      "= $1 ORDER BY number DESC LIMIT 1",
+      {name}, "table atlas");
+  if (found.rows() == 0) return std::nullopt;
+  return StoredHead{found[0].Integer(0), found[0].Integer(1), found[0].Integer(2)};
+}
+
 Named Find(Connection& connection, std::string_view text) {
   if (std::optional<Named> whole = FindNewest(connection, text)) return *whole;
   const std::optional<rows::SplitName> split = rows::SplitAtRevision(text);
@@ -159,13 +156,15 @@ Named Find(Connection& connection, const RevisionName& revision) {
 }
 
 std::vector<std::string> NamesOf(Connection& connection) {
-  return Texts(connection.Query("SELECT name FROM atlas ORDER BY name COLLATE \"C\"", {}, "table atlas"));
+  return connection.Query("SELECT name FROM atlas ORDER BY name COLLATE \"C\"", {}, "table atlas").Texts();
 }
 
 std::vector<std::string> NamesIn(Connection& connection, std::int64_t partition) {
-  return Texts(connection.Query(
-      Concat("SELECT name FROM atlas WHERE ", IsInPartition("row", "$1::integer"), " ORDER BY name COLLATE \"C\""),
-      {static_cast<std::int32_t>(partition)}, "table atlas"));
+  return connection
+      .Query(
+          Concat("SELECT name FROM atlas WHERE ", IsInPartition("row", "$1::integer"), " ORDER BY name COLLATE \"C\""),
+          {static_cast<std::int32_t>(partition)}, "table atlas")
+      .Texts();
 }
 
 bool Has(Connection& connection, const std::string& name) {

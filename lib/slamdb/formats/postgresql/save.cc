@@ -185,15 +185,6 @@ void SaveContext::Report(std::size_t done) {
     options.progress("saving", std::min(1.0, static_cast<double>(entities_done) / static_cast<double>(entities)));
 }
 
-std::optional<StoredHead> FindHead(Connection& connection, const std::string& name) {
-  const Result found = connection.Query(
-      "SELECT row, coalesce(number, 0), revision.hash FROM atlas LEFT JOIN revision ON revision.atlas = row WHERE name "
-      "= $1 ORDER BY number DESC LIMIT 1",
-      {name}, "table atlas");
-  if (found.rows() == 0) return std::nullopt;
-  return StoredHead{found[0].Integer(0), found[0].Integer(1), found[0].Integer(2)};
-}
-
 namespace {
 
 // As in a file (sqlite/save.cc): another atlas that no revision tells of yet makes one.

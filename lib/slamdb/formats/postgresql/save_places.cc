@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <map>
 #include <set>
@@ -52,6 +51,7 @@ void WriteWords(SaveContext& context, const std::vector<MapToSave>& maps, const 
   if (!changed.gone.empty())
     context.connection.Query("DELETE FROM keyframe_words WHERE atlas = $1 AND keyframe = ANY ($2)",
                              {context.atlas, std::span<const std::int64_t>(changed.gone)}, "table keyframe_words");
+  if (std::ranges::all_of(changed.by_map, [](const auto& indices) { return indices.empty(); })) return;
   CopyIn copy(context.connection, WordsTable().target, WordsTable().types, context.way());
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const std::vector<std::size_t>& indices = changed.by_map[i];
@@ -115,11 +115,11 @@ void WritePlaces(SaveContext& context, const std::set<std::int64_t>& of_maps) {
         "DELETE FROM place WHERE atlas = $1 AND (map, number) IN (SELECT * FROM unnest ($2::bigint[], $3::bigint[]))",
         {context.atlas, std::span<const std::int64_t>(old_maps), std::span<const std::int64_t>(old_numbers)},
         "table place");
+  if (places.empty()) return;
   CopyIn copy(context.connection, PlaceTable().target, PlaceTable().types, context.way());
   for (const auto& [key, words] : places) {
-    std::int64_t shown = 0;
-    for (const std::uint64_t part : words) shown += std::popcount(part);
-    copy.Add(std::array<Value, 5>{context.atlas, key.first, key.second, shown, std::as_bytes(std::span(words))});
+    copy.Add(std::array<Value, 5>{context.atlas, key.first, key.second, std::int64_t{rows::CountOf(words)},
+                                  std::as_bytes(std::span(words))});
   }
   copy.Finish();
 }
@@ -143,10 +143,11 @@ bool HasAllWords(SaveContext& context, const Atlas& atlas) {
     keyframes += static_cast<std::int64_t>(map.keyframes.size());
     places += static_cast<std::int64_t>((map.keyframes.size() + kOfAPlace - 1) / kOfAPlace);
   }
-  const auto count = [&](const char* table) {
-    return context.connection.Integer(Concat("SELECT count(*) FROM ", table, " WHERE atlas = $1"), {context.atlas});
-  };
-  return count("keyframe_words") == keyframes && count("place") == places;
+  return context.connection.Integer(
+             "SELECT ((SELECT count(*) FROM keyframe_words WHERE atlas = $1) = $2 AND (SELECT count(*) FROM place "
+             "WHERE "
+             "atlas = $1) = $3)::integer",
+             {context.atlas, keyframes, places}) != 0;
 }
 
 }  // namespace slamdb::postgresql

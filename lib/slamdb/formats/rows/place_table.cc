@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -41,6 +40,8 @@ class PlaceTable {
       return a.map != b.map ? a.map < b.map : a.id < b.id;
     });
     Weigh();
+    for (const PlaceKeyframe& keyframe : keyframes_) counts_.push_back(CountOf(keyframe.words));
+    for (const PlaceWords& other : others_) counts_of_others_.push_back(CountOf(other));
   }
 
   std::vector<StoredPlace> PlacesLike(const PlaceWords& picture, const PlaceOptions& options) const {
@@ -87,16 +88,12 @@ class PlaceTable {
       });
     }
     bool has_words() const { return variance_ > 0; }
-    // Nothing of a keyframe without words.
-    std::optional<float> ScoreOf(const PlaceWords& keyframe) const {
-      int words = 0;
-      for (const std::uint64_t part : keyframe) words += std::popcount(part);
-      if (words == 0) return std::nullopt;
+    // Of a keyframe that has `count` words, some.
+    float ScoreOf(const PlaceWords& keyframe, double count) const {
       PlaceWords both = words_;
       for (std::size_t part = 0; part < both.size(); ++part) both[part] &= keyframe[part];
       float common = 0;
       ForEachWord(both, [&](std::size_t word) { common += table_.rarity_[word]; });
-      const double count = words;
       return static_cast<float>((static_cast<double>(common) - count * mean_) / std::sqrt(count * variance_));
     }
 
@@ -111,12 +108,12 @@ class PlaceTable {
     std::vector<float> scores(keyframes_.size(), 0), of_all;
     if (!picture.has_words()) return scores;
     for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-      const std::optional<float> score = picture.ScoreOf(keyframes_[i].words);
-      scores[i] = score.value_or(0);
-      if (score && others_.empty()) of_all.push_back(*score);
+      if (counts_[i] == 0) continue;
+      scores[i] = picture.ScoreOf(keyframes_[i].words, counts_[i]);
+      if (others_.empty()) of_all.push_back(scores[i]);
     }
-    for (const PlaceWords& other : others_)
-      if (const std::optional<float> score = picture.ScoreOf(other)) of_all.push_back(*score);
+    for (std::size_t i = 0; i < others_.size(); ++i)
+      if (counts_of_others_[i] > 0) of_all.push_back(picture.ScoreOf(others_[i], counts_of_others_[i]));
     ForgetWhatAllHave(scores, std::move(of_all));
     return scores;
   }
@@ -154,7 +151,8 @@ class PlaceTable {
   const std::map<std::int64_t, PlaceMap>& maps_;
   std::vector<PlaceKeyframe> keyframes_;  // by map and id
   std::span<const PlaceWords> others_;
-  std::vector<float> rarity_;  // by word
+  std::vector<int> counts_, counts_of_others_;  // of the words of each
+  std::vector<float> rarity_;                   // by word
   std::vector<double> share_;
 };
 

@@ -2,6 +2,7 @@
 #include "slamdb/formats/rows/detail/place_words.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "slamdb/base/detail/parallel.h"
@@ -78,6 +79,12 @@ class PlaceTree {
 };
 
 }  // namespace
+
+int CountOf(const PlaceWords& words) {
+  int count = 0;
+  for (const std::uint64_t part : words) count += std::popcount(part);
+  return count;
+}
 
 PlaceWords PlaceWordsOf(std::span<const Descriptor> descriptors) {
   static const PlaceTree tree;

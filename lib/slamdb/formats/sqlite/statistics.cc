@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/rows/detail/history_row.h"
 #include "slamdb/formats/sqlite/detail/files_beside.h"
 #include "slamdb/formats/sqlite/detail/migrations.h"
 
@@ -37,31 +38,8 @@ std::vector<PartSize> TableSizes(Database& database) {
   return tables;
 }
 
-// Of the columns from `column` on: who, revision, whether it can be read, tags, what it is from, changes.
-void ReadRevision(const Statement& row, int column, HistoryEntry& entry) {
-  entry.who = row.Text(column++);
-  entry.revision = Unsigned(row, column++);
-  entry.readable = row.Integer(column++) != 0;
-  const std::string tags = row.Text(column++);
-  for (std::size_t first = 0; first < tags.size();) {
-    const std::size_t end = std::min(tags.find('\n', first), tags.size());
-    entry.tags.push_back(tags.substr(first, end - first));
-    first = end + 1;
-  }
-  std::ranges::sort(entry.tags);
-  if (!row.IsNull(column))
-    entry.from = RevisionName{row.Text(column), Unsigned(row, column + 1), Unsigned(row, column + 2)};
-  column += 3;
-  if (row.IsNull(column)) return;
-  MapChanges& changes = entry.changes.emplace();
-  for (std::uint64_t* count :
-       {&changes.keyframes_added, &changes.keyframes_removed, &changes.keyframes_moved, &changes.points_added,
-        &changes.points_removed, &changes.points_moved, &changes.observations_added, &changes.observations_removed})
-    *count = Unsigned(row, column++);
-}
-
-// Of the history and its revisions, as ReadEntry takes them: these are found by their key, as no index leads from a
-// history to them.
+// Of the history and its revisions, as HistoryEntryOf takes them: these are found by their key, as no index leads from
+// a history to them.
 constexpr std::string_view kEntries =
     "SELECT at, tool, action, coalesce(history.atlas, ''), provenance, history.maps, history.keyframes, "
     "history.points, history.observations, inserted, updated, deleted, unchanged, history.hash, coalesce(who, ''), "
@@ -69,21 +47,9 @@ constexpr std::string_view kEntries =
     "revision.number IS NOT NULL, (SELECT group_concat(tag.name, '\n') FROM tag WHERE tag.atlas = revision.atlas AND "
     "tag.number = revision.number), from_atlas, from_number, from_hash, keyframes_added, keyframes_removed, "
     "keyframes_moved, points_added, points_removed, points_moved, observations_added, observations_removed "
-    "FROM history LEFT JOIN atlas AS its ON its.name = history.atlas LEFT JOIN revision ON revision.atlas = its.row "
-    "AND "
-    "revision.number = history.revision AND revision.history = history.row WHERE ";
-
-HistoryEntry ReadEntry(const Statement& statement) {
-  HistoryEntry entry;
-  int column = 0;
-  for (std::string* text : {&entry.at, &entry.tool, &entry.action, &entry.atlas, &entry.provenance})
-    *text = statement.Text(column++);
-  for (std::uint64_t* value : {&entry.maps, &entry.keyframes, &entry.points, &entry.observations, &entry.inserted,
-                               &entry.updated, &entry.deleted, &entry.unchanged, &entry.hash})
-    *value = Unsigned(statement, column++);
-  ReadRevision(statement, column, entry);
-  return entry;
-}
+    "FROM history LEFT JOIN atlas AS its ON its.name = history.atlas "
+    "LEFT JOIN revision ON revision.atlas = its.row AND revision.number = history.revision AND revision.history = "
+    "history.row WHERE ";
 
 }  // namespace
 
@@ -110,7 +76,7 @@ std::vector<HistoryEntry> ReadHistory(Database& database, const std::string& nam
                       "table history");
   statement.BindText(1, name);
   std::vector<HistoryEntry> entries;
-  while (statement.Step()) entries.push_back(ReadEntry(statement));
+  while (statement.Step()) entries.push_back(rows::HistoryEntryOf(statement));
   return entries;
 }
 
@@ -120,7 +86,7 @@ HistoryEntry ReadHistoryOf(Database& database, std::int64_t atlas, std::int64_t 
   if (!statement.Bind(1, atlas).Bind(2, number).Step())
     throw Error(ErrorKind::kDamaged, database.path(), "table history",
                 detail::Concat("tells nothing of revision ", number));
-  return ReadEntry(statement);
+  return rows::HistoryEntryOf(statement);
 }
 
 StoreStats ReadStatistics(Database& database) {

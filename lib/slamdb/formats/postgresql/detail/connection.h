@@ -33,6 +33,9 @@ class Result {
  public:
   std::size_t rows() const { return rows_; }
   Row operator[](std::size_t row) const;  // valid as long as the result
+  // The first column, of each row.
+  std::vector<std::int64_t> Integers() const;
+  std::vector<std::string> Texts() const;
   // How many rows an INSERT, UPDATE, DELETE or the like changed.
   std::int64_t changed() const;
 
@@ -91,6 +94,18 @@ class Connection {
   std::unique_ptr<pg_conn, Finish> handle_;
   bool has_row_security_ = false;
 };
+
+inline std::vector<std::int64_t> Result::Integers() const {
+  std::vector<std::int64_t> integers(rows());
+  for (std::size_t i = 0; i < rows(); ++i) integers[i] = (*this)[i].Integer(0);
+  return integers;
+}
+
+inline std::vector<std::string> Result::Texts() const {
+  std::vector<std::string> texts(rows());
+  for (std::size_t i = 0; i < rows(); ++i) texts[i] = (*this)[i].Text(0);
+  return texts;
+}
 
 // What CopyOut is made of: rows one by one.
 class CopyReader {

@@ -16,6 +16,12 @@ namespace slamdb::postgresql {
 
 using rows::Named;
 
+// The newest revision under a name; number and hash 0: the atlas has none.
+struct StoredHead {
+  std::int64_t atlas = 0, revision = 0, hash = 0;
+};
+std::optional<StoredHead> FindHead(Connection& connection, std::string_view name);
+
 // Throws Error: kNotFound naming the atlases or revisions that there are.
 Named Find(Connection& connection, std::string_view text);
 // By its number. Throws Error likewise.

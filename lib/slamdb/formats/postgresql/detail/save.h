@@ -10,6 +10,7 @@
 
 #include "slamdb/formats/postgresql/detail/connection.h"
 #include "slamdb/formats/postgresql/detail/copy_in.h"
+#include "slamdb/formats/postgresql/detail/names.h"
 #include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/rows/detail/change_counter.h"
@@ -45,12 +46,6 @@ struct SaveContext {
   void Report(std::size_t done);  // progress; throws what the callback throws
   CopyIn::Way way() const { return partition.is_remote ? CopyIn::Way::kInBatches : CopyIn::Way::kStraight; }
 };
-
-// The newest revision under a name; number and hash 0: the atlas has none.
-struct StoredHead {
-  std::int64_t atlas = 0, revision = 0, hash = 0;
-};
-std::optional<StoredHead> FindHead(Connection& connection, const std::string& name);
 
 // Saves everything under `name`, where the store has `stored`. `hashes` is detail::HashesOf(atlas); `rewrite`: whatever
 // hashes the rows have.

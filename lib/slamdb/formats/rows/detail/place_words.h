@@ -17,6 +17,9 @@ namespace slamdb::rows {
 // A bit for each word.
 using PlaceWords = std::array<std::uint64_t, 64>;
 
+// How many there are.
+int CountOf(const PlaceWords& words);
+
 // Of a picture's descriptors. Thread-safe.
 PlaceWords PlaceWordsOf(std::span<const Descriptor> descriptors);
 // Of some of a map's keyframes, by their indices.
