@@ -3,6 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
+#include <thread>
+
+#include "slamdb/base/error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace slamdb {
@@ -47,6 +52,24 @@ TEST_F(EachInput, WithoutFileIsNotLarge) {
   inputs_.push_back({.location = Location(folder_ / "nothing", "")});
   inputs_.push_back({.location = Location(folder_ / "a", "of-a-store")});
   EXPECT_THAT(ThreadsOfEach(3), ElementsAre(3, 1, 1));
+}
+
+TEST(EachRow, NoneIsTakenBehindTheOneThatThrows) {
+  for (int attempt = 0; attempt < 50; ++attempt) {
+    std::vector<std::size_t> taken;
+    const auto take = [&](std::size_t row) {
+      taken.push_back(row);
+      if (row != 3) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the others stand at the door
+      throw Error(ErrorKind::kOutOfResources, "full");
+    };
+    EXPECT_EQ(ErrorOf([&] {
+                ForEachRow(
+                    12, {.threads = 4}, [](std::size_t, const ReadOptions&) {}, take);
+              }).kind(),
+              ErrorKind::kOutOfResources);
+    ASSERT_THAT(taken, ElementsAre(0, 1, 2, 3)) << attempt;
+  }
 }
 
 }  // namespace

@@ -46,13 +46,14 @@ class Order {
     changed_.wait(lock, [&] { return failed_ || row < next_ + done_.size(); });
     return !failed_;
   }
+  // Throws what `take` throws; no row is taken behind that one.
   void End(std::size_t row) {
     const std::lock_guard lock(mutex_);
     done_[row % done_.size()] = 1;
     for (std::uint8_t* done = &done_[next_ % done_.size()]; *done != 0 && !failed_;
          done = &done_[next_ % done_.size()]) {
       *done = 0;
-      take_(next_++);
+      Take(next_++);
     }
     changed_.notify_all();
   }
@@ -63,6 +64,16 @@ class Order {
   }
 
  private:
+  // Fails before the lock is let go of: else another thread would take the next row.
+  void Take(std::size_t row) {
+    try {
+      take_(row);
+    } catch (...) {
+      failed_ = true;
+      throw;
+    }
+  }
+
   const std::function<void(std::size_t row)>& take_;
   std::mutex mutex_;
   std::condition_variable changed_;
