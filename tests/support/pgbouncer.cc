@@ -2,7 +2,10 @@
 #include "tests/support/pgbouncer.h"
 
 #include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <fstream>
@@ -48,7 +51,16 @@ PgBouncer::~PgBouncer() {
   fs::remove_all(folder_, ignored);
 }
 
-bool PgBouncer::Answers() const { return fs::exists(folder_ / (".s.PGSQL." + std::to_string(port_))); }
+// It makes the socket first, and listens a moment later.
+bool PgBouncer::Answers() const {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  (folder_ / (".s.PGSQL." + std::to_string(port_))).string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const bool answers = ::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  ::close(socket);
+  return answers;
+}
 
 std::string PgBouncer::Uri(std::string_view database) const {
   return "postgresql://" + std::string(PostgresqlServer::kUser) + "@/" + std::string(database) +

@@ -10,11 +10,12 @@ import sys
 import tempfile
 import time
 import zipfile
-from typing import Any, Dict, Iterator, List, Optional, Sequence
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Type
 
 import distributed
 import slamdb
 from distributed.client import CancelledError
+from distributed.comm import CommClosedError
 from distributed.diagnostics.plugin import UploadFile
 from distributed.scheduler import KilledWorker
 
@@ -74,6 +75,15 @@ def _package(opened: contextlib.ExitStack) -> str:
     return path
 
 
+@contextlib.contextmanager
+def _scheduler(*losses: Type[BaseException]) -> Iterator[None]:
+    """Says so where it is gone, of which it depends on the moment what Dask raises."""
+    try:
+        yield
+    except (CancelledError, CommClosedError, *losses) as error:
+        raise ClusterError("the scheduler is gone") from error
+
+
 class Window:
     """How many chunks may be out: enough that no worker waits, however many come or go."""
 
@@ -85,10 +95,8 @@ class Window:
     def size(self) -> int:
         if time.monotonic() - self._asked > 1:
             self._asked = time.monotonic()
-            try:
+            with _scheduler(OSError, asyncio.TimeoutError):
                 self._threads = max(1, sum(self._client.nthreads().values()))
-            except (OSError, asyncio.TimeoutError) as error:
-                raise ClusterError("the scheduler is gone") from error
         return 2 * self._threads + 1
 
 
@@ -104,7 +112,9 @@ def run(client: distributed.Client, job: Job, chunks: Sequence[Chunk]) -> Iterat
     completed = distributed.as_completed(loop=client.loop)
 
     def give_out(chunk: Chunk) -> None:
-        future = client.submit(do_chunk, job, chunk, key=f"chunk-{chunk.name}-{chunk.run}-{lost.get(chunk.name, 0)}")
+        key = f"chunk-{chunk.name}-{chunk.run}-{lost.get(chunk.name, 0)}"
+        with _scheduler():
+            future = client.submit(do_chunk, job, chunk, key=key)
         out[future.key] = chunk
         completed.add(future)
 
@@ -125,7 +135,8 @@ def run(client: distributed.Client, job: Job, chunks: Sequence[Chunk]) -> Iterat
 def _entries_of(future: distributed.Future, job: Job, chunk: Chunk, lost: Dict[str, int]) -> Optional[List[Entry]]:
     """None: it is to be given out again, as its workers were lost, but came forward."""
     try:
-        entries: List[Entry] = future.result()
+        with _scheduler():
+            entries: List[Entry] = future.result()
         return entries
     except KilledWorker as error:
         lines = lines_of(pathlib.Path(job.folder), chunk.name)
@@ -133,7 +144,5 @@ def _entries_of(future: distributed.Future, job: Job, chunk: Chunk, lost: Dict[s
             raise ClusterError(f"workers end before they begin to work: {error}") from error
         lost[chunk.name] = lines
         return None
-    except CancelledError as error:
-        raise ClusterError("the scheduler is gone") from error
     finally:
         future.release()

@@ -146,14 +146,17 @@ RevisionChain ReadChain(Connection& connection, const Row& row) {
 
 // Each kind of data, and how many bytes it takes, as SQL in a statement over `atlas` whose $1 is its row.
 std::vector<std::pair<std::string_view, std::string>> BytesOfParts(const Partition& partition) {
-  const auto sum = [&](std::string_view bytes, std::string_view table, std::string_view join = {}) {
-    return Concat("(SELECT coalesce(sum(", bytes, "), 0)::bigint FROM ", partition.Table(table), join, " WHERE ", table,
+  const auto newest = [&](std::string_view what, std::string_view table) {
+    return Concat("(SELECT ", what, " FROM ", partition.Table(table), " WHERE ", table,
                   ".atlas = $1 AND until = 2147483647)");
   };
-  const std::string pictures = Concat(" JOIN ", partition.Table("picture"),
-                                      " ON picture.atlas = keyframe_features.atlas AND picture.hash = picture");
-  return {{"features",
-           sum("octet_length(keyframe_features.points) + octet_length(columns)", "keyframe_features", pictures)},
+  const auto sum = [&](std::string_view bytes, std::string_view table) {
+    return newest(Concat("coalesce(sum(", bytes, "), 0)::bigint"), table);
+  };
+  const std::string pictures =
+      Concat("(SELECT coalesce(sum(octet_length(columns)), 0)::bigint FROM ", partition.Table("picture"),
+             " WHERE picture.atlas = $1 AND picture.hash = ANY (array", newest("picture", "keyframe_features"), "))");
+  return {{"features", Concat(sum("octet_length(keyframe_features.points)", "keyframe_features"), " + ", pictures)},
           {"keyframes", sum("octet_length(details) + 12 * cardinality(connections)", "keyframe")},
           {"points", Concat("atlas.points * ", kPointBytes)},
           {"observations", Concat("atlas.observations * ", kObservationBytes)},
@@ -293,6 +296,7 @@ void WriteBytes(Connection& connection, std::int64_t atlas, const Partition& par
 
 bool IsAsSaved(Connection& connection, const Named& named) {
   if (PartitionOf(connection, named.atlas).is_remote) return false;
+  const HashedJoins hashed(connection);
   std::string edited;
   for (const std::string_view table : {"camera", "map", "keyframe", "keyframe_features", "map_point", "landmark"})
     edited +=

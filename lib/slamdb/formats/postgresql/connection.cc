@@ -120,11 +120,12 @@ std::int64_t Connection::Integer(const std::string& sql, const std::vector<Param
 
 // The search path is set in the transaction, so that a pool of connections that gives each transaction another one
 // will do. That it may write is not said: only what a standby is really asked to write is an error. Tables of a
-// partition on another server are joined there.
+// partition on another server are joined there. Nothing is compiled for statements which copy rows.
 Transaction::Transaction(Connection& connection, Kind kind) : connection_(connection) {
   const std::string level = kind == Kind::kRead ? "REPEATABLE READ READ ONLY" : "READ COMMITTED";
   connection.Execute("BEGIN ISOLATION LEVEL " + level +
-                     "; SET LOCAL search_path TO slamdb, pg_temp; SET LOCAL enable_partitionwise_join TO on" +
+                     "; SET LOCAL search_path TO slamdb, pg_temp; SET LOCAL enable_partitionwise_join TO on; "
+                     "SET LOCAL jit TO off" +
                      (kind == Kind::kWriteWithoutSync ? "; SET LOCAL synchronous_commit TO off" : ""));
 }
 

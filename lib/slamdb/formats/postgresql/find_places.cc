@@ -5,6 +5,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
+#include "slamdb/formats/rows/detail/plan.h"
 
 namespace slamdb::postgresql {
 namespace {
@@ -104,17 +105,29 @@ void PlaceFinder::ReadMaps(Connection& connection, const Partition& partition, c
           part.maps[key] = {std::string(row.Text(2)), MapId(static_cast<std::uint64_t>(row.Integer(3)))};
       },
       "table map");
+  std::map<MapKey, std::map<std::int64_t, std::size_t>> indices;  // of keyframes, by their rows
   connection.CopyOut(
-      Concat("SELECT keyframe.atlas, map, id, words FROM ", partition.Table("keyframe"), " LEFT JOIN ",
-             partition.Table("keyframe_words"),
-             " ON keyframe_words.atlas = keyframe.atlas AND keyframe_words.keyframe = row WHERE until = 2147483647",
-             only == nullptr ? "" : OnlyOf(*only, "keyframe.atlas", "map"), " ORDER BY keyframe.atlas, row"),
+      Concat("SELECT atlas, map, row, id FROM ", partition.Table("keyframe"), " WHERE until = 2147483647",
+             only == nullptr ? "" : OnlyOf(*only, "atlas", "map"), " ORDER BY atlas, row"),
       [&](const Row& row) {
         const MapKey key{row.Integer(0), row.Integer(1)};
         if (!part.maps.contains(key)) return;
-        rows::PlaceKeyframe& keyframe = part.keyframes[key].emplace_back();
-        keyframe.id = static_cast<std::uint64_t>(row.Integer(2));
-        keyframe.is_unknown = !CopyWords(row.Blob(3), keyframe.words);
+        std::vector<rows::PlaceKeyframe>& keyframes = part.keyframes[key];
+        indices[key][row.Integer(2)] = keyframes.size();
+        keyframes.emplace_back().id = static_cast<std::uint64_t>(row.Integer(3));
+      },
+      "table keyframe");
+  connection.CopyOut(
+      Concat("SELECT atlas, keyframe, words FROM ", partition.Table("keyframe_words"), " WHERE true",
+             only == nullptr ? "" : OnlyOf(*only, "atlas", "keyframe >> 32")),
+      [&](const Row& row) {
+        const MapKey key{row.Integer(0), rows::MapOfRow(row.Integer(1))};
+        const auto of_map = indices.find(key);
+        if (of_map == indices.end()) return;
+        const auto found = of_map->second.find(row.Integer(1));
+        if (found == of_map->second.end()) return;
+        rows::PlaceKeyframe& keyframe = part.keyframes[key][found->second];
+        keyframe.is_unknown = !CopyWords(row.Blob(2), keyframe.words);
       },
       "table keyframe_words");
 }

@@ -24,7 +24,7 @@ Loader::Loader(Connection& connection, const Named& named, const ReadOptions& op
       options_(options),
       selection_(options.selection),
       named_(named),
-      is_newest_(named.is_newest() && !PartitionOf(connection, named.atlas).is_remote),
+      is_remote_(PartitionOf(connection, named.atlas).is_remote),
       base_(base) {}
 
 Atlas Loader::Run() {
@@ -33,8 +33,8 @@ Atlas Loader::Run() {
   LoadMaps();
   LoadRepeated();
   LoadKeyframes();
-  if (base_ != nullptr)
-    LoadFeaturesOnto();
+  if (base_ != nullptr || (is_remote_ && options_.features != FeatureColumns::kNone))
+    LoadFeaturesInBatches();
   else if (options_.features != FeatureColumns::kNone)
     LoadFeatures();
   LoadPoints();
@@ -45,7 +45,8 @@ Atlas Loader::Run() {
 }
 
 std::string Loader::Mine(std::string_view prefix) const {
-  return is_newest_ ? InNewest(named_.atlas, prefix) : InRevision(named_.atlas, named_.number, prefix);
+  return named_.is_newest() && !is_remote_ ? InNewest(named_.atlas, prefix)
+                                           : InRevision(named_.atlas, named_.number, prefix);
 }
 
 std::string Loader::OfMap(std::string_view row) const {

@@ -65,9 +65,9 @@ void Loader::LoadFeatures() {
   Due due(maps_);
   CopyReader reader(
       connection_,
-      Concat("SELECT keyframe, features.hash, points, columns FROM keyframe_features AS features LEFT JOIN "
-             "picture ON picture.atlas = features.atlas AND picture.hash = features.picture WHERE ",
-             Mine("features."), OfMap("features.keyframe"), " ORDER BY keyframe"),
+      Concat("SELECT keyframe, hash, points, (SELECT columns FROM picture WHERE picture.atlas = ", named_.atlas,
+             " AND picture.hash = features.picture) FROM keyframe_features AS features WHERE ", Mine(),
+             OfMap("keyframe"), " ORDER BY keyframe"),
       "table keyframe_features");
   detail::TaskQueue queue(options_.threads);
   std::size_t done = 0;
@@ -111,7 +111,7 @@ void Loader::Unpack(const Place& place, std::int64_t hash, Bytes points, Bytes p
   hashes_.maps[place.map].features[place.index] = found;
 }
 
-// ---- those that the base does not have
+// ---- in batches
 
 // Which keyframe, and the hash that its features are to have.
 struct Loader::Missing {
@@ -119,9 +119,9 @@ struct Loader::Missing {
   std::int64_t row = 0, hash = 0;
 };
 
-void Loader::LoadFeaturesOnto() {
+void Loader::LoadFeaturesInBatches() {
   const std::vector<Missing> missing = FindMissing();
-  const std::map<Uuid, const KeyFrame*> pictures = PicturesOfBase(missing);
+  const auto pictures = base_ == nullptr ? std::map<Uuid, const KeyFrame*>() : PicturesOfBase(missing);
   for (std::size_t begin = 0; begin < missing.size(); begin += kFeaturesAtOnce) {
     const std::size_t count = std::min(kFeaturesAtOnce, missing.size() - begin);
     FetchFeatures(std::span(missing).subspan(begin, count), pictures);
@@ -133,21 +133,20 @@ void Loader::LoadFeaturesOnto() {
 // Takes those that the base has.
 std::vector<Loader::Missing> Loader::FindMissing() {
   std::vector<Missing> missing;
-  std::vector<std::size_t> next(maps_.size());
+  Due due(maps_);
   for (const HashedRow& row : ReadHashes("keyframe_features", "keyframe", "hash")) {
-    const std::size_t i = IndexOf(rows::MapOfRow(row.row));
-    if (i == maps_.size() || next[i] == maps_[i].keyframes.size() || maps_[i].keyframes[next[i]] != row.row)
-      throw Damaged("keyframe_features", row.row, "of no keyframe, or one before it is missing");
-    const std::size_t k = next[i]++;
-    if (const KeyFrame* same = base_->features.Find(row.hash, row.details)) {
-      TakeFeatures(*same, atlas_.maps[i].keyframes[k]);
-      hashes_.maps[i].features[k] = row.hash;
+    if (due.is_empty() || row.row < due.row()) continue;  // not selected
+    if (row.row != due.row()) break;
+    const Place place = due.Take();
+    const KeyFrame* same = base_ == nullptr ? nullptr : base_->features.Find(row.hash, row.details);
+    if (same == nullptr) {
+      missing.push_back({place, row.row, row.hash});
     } else {
-      missing.push_back({{i, k}, row.row, row.hash});
+      TakeFeatures(*same, atlas_.maps[place.map].keyframes[place.index]);
+      hashes_.maps[place.map].features[place.index] = row.hash;
     }
   }
-  for (std::size_t i = 0; i < maps_.size(); ++i)
-    if (next[i] < maps_[i].keyframes.size()) throw Damaged("keyframe_features", maps_[i].keyframes[next[i]], "missing");
+  if (!due.is_empty()) throw Damaged("keyframe_features", due.row(), "missing");
   return missing;
 }
 

@@ -172,7 +172,8 @@ std::vector<HashedRow> Loader::ReadHashes(std::string_view table, std::string_vi
   std::vector<HashedRow> rows;
   connection_.CopyOut(
       Concat("SELECT string_agg(int8send(", key, ") || int8send(hash) || int8send(", details, "), ''::bytea ORDER BY ",
-             key, ") FROM ", table, " WHERE ", Mine(), " GROUP BY ", key, " >> 12 ORDER BY ", key, " >> 12"),
+             key, ") FROM ", table, " WHERE ", Mine(), OfMap(key), " GROUP BY ", key, " >> 12 ORDER BY ", key,
+             " >> 12"),
       [&](const Row& row) {
         const Bytes bytes = row.Blob(0);
         for (std::size_t at = 0; at + 24 <= bytes.size(); at += 24)

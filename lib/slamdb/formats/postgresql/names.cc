@@ -68,12 +68,11 @@ std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, con
   return rows::KeptOf(all, options);
 }
 
-// Deletes what only revisions have that are not kept.
-// Of rows of an atlas, $1, that no revision of those in $2 has.
+// Of rows of an atlas, $1, that no revision of those in $2, ascending, has: as many are before the first that has the
+// row as up to the last one.
 constexpr std::string_view kOfNone =
-    "until <> 2147483647 AND NOT EXISTS (SELECT 1 FROM unnest($2::bigint[]) AS kept (number) WHERE since <= "
-    "kept.number "
-    "AND kept.number < until)";
+    "until <> 2147483647 AND width_bucket(since::bigint - 1, $2::bigint[]) = width_bucket(until::bigint - 1, "
+    "$2::bigint[])";
 
 std::string PicturesOfNone() {
   return Concat(
@@ -89,9 +88,11 @@ GivenUpRows SizesOf(std::uint64_t rows, const Row& pictures) {
           kRowBytes * rows + static_cast<std::uint64_t>(pictures.Integer(1))};
 }
 
+// Deletes what only revisions have that are not kept.
 GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
   std::uint64_t rows = 0;
   const std::vector<Parameter> parameters = {atlas, std::span(kept)};
+  const HashedJoins hashed(connection);
   for (const Versioned& each : VersionedTables())
     rows += static_cast<std::uint64_t>(connection
                                            .Query(Concat("DELETE FROM ", each.table, " WHERE atlas = $1 AND ", kOfNone),
@@ -108,6 +109,7 @@ GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::
 GivenUpRows CountAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
   std::uint64_t rows = 0;
   const std::vector<Parameter> parameters = {atlas, std::span(kept)};
+  const HashedJoins hashed(connection);
   for (const Versioned& each : VersionedTables())
     rows += static_cast<std::uint64_t>(
         connection.Integer(Concat("SELECT count(*) FROM ", each.table, " WHERE atlas = $1 AND ", kOfNone), parameters));

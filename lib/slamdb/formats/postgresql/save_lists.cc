@@ -80,19 +80,27 @@ std::vector<StoredLists> ReadStoredLists(SaveContext& context, const std::vector
   const ByMap by_map(maps);
   const std::string newest = Concat("atlas = ", context.atlas, " AND until = ", kNewest);
   context.connection.CopyOut(
-      Concat("SELECT row, id, unique_id IS NOT NULL, keyframe.hash, links_hash, features.hash, source_hash, timestamp "
-             "FROM "
-             "keyframe LEFT JOIN keyframe_features AS features ON features.atlas = keyframe.atlas AND "
-             "features.keyframe = row AND features.until = ",
-             kNewest, " WHERE keyframe.", "atlas = ", context.atlas, " AND keyframe.until = ", kNewest,
+      Concat("SELECT row, id, unique_id IS NOT NULL, hash, links_hash, timestamp FROM keyframe WHERE ", newest,
              " ORDER BY row"),
       [&](const Row& row) {
         const std::optional<std::size_t> i = by_map.Of(row.Integer(0));
         if (!i) return;
         lists[*i].keyframes.push_back(ReadStored(row));
-        lists[*i].features.push_back({row.Integer(5), row.Integer(6), row.Real(7)});
+        lists[*i].features.push_back({.timestamp = row.Real(5)});
       },
       "table keyframe");
+  context.connection.CopyOut(
+      Concat("SELECT keyframe, hash, source_hash FROM keyframe_features WHERE ", newest),
+      [&](const Row& row) {
+        const std::optional<std::size_t> i = by_map.Of(row.Integer(0));
+        if (!i) return;
+        const auto found = std::ranges::lower_bound(lists[*i].keyframes, row.Integer(0), {}, &StoredRow::row);
+        if (found == lists[*i].keyframes.end() || found->row != row.Integer(0)) return;
+        StoredFeatures& features = lists[*i].features[static_cast<std::size_t>(found - lists[*i].keyframes.begin())];
+        features.hash = row.Integer(1);
+        features.source_hash = row.Integer(2);
+      },
+      "table keyframe_features");
   context.connection.CopyOut(
       Concat("SELECT row, id, unique_id IS NOT NULL, hash, observations_hash FROM map_point WHERE ", newest,
              " ORDER BY row"),

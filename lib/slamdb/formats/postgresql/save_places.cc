@@ -19,6 +19,7 @@ constexpr std::size_t kOfAPlace = 8;  // keyframes
 
 using PlaceKey = std::pair<std::int64_t, std::int64_t>;  // row of the map, number of the place
 using PlacesByKey = std::map<PlaceKey, PlaceWords>;
+using WordsByRow = std::unordered_map<std::int64_t, PlaceWords>;  // of keyframes
 
 // Which keyframes of each map have other words than the store has, by their indices.
 struct ChangedWords {
@@ -46,55 +47,69 @@ ChangedWords FindChangedWords(SaveContext& context, const std::vector<MapToSave>
   return changed;
 }
 
-void WriteWords(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
-                const ChangedWords& changed) {
+// Returns those that it wrote.
+WordsByRow WriteWords(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
+                      const ChangedWords& changed) {
+  WordsByRow written;
   if (!changed.gone.empty())
     context.connection.Query("DELETE FROM keyframe_words WHERE atlas = $1 AND keyframe = ANY ($2)",
                              {context.atlas, std::span<const std::int64_t>(changed.gone)}, "table keyframe_words");
-  if (std::ranges::all_of(changed.by_map, [](const auto& indices) { return indices.empty(); })) return;
+  if (std::ranges::all_of(changed.by_map, [](const auto& indices) { return indices.empty(); })) return written;
   CopyIn copy(context.connection, WordsTable().target, WordsTable().types, context.way());
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const std::vector<std::size_t>& indices = changed.by_map[i];
     const std::vector<PlaceWords> words = rows::PlaceWordsOf(maps[i].map, indices, context.options.threads);
-    for (std::size_t n = 0; n < words.size(); ++n)
-      copy.Add(std::array<Value, 4>{context.atlas, plans[i].keyframes.entries[indices[n]].row,
-                                    maps[i].hashes.features[indices[n]], std::as_bytes(std::span(words[n]))});
+    for (std::size_t n = 0; n < words.size(); ++n) {
+      const std::int64_t row = plans[i].keyframes.entries[indices[n]].row;
+      copy.Add(std::array<Value, 4>{context.atlas, row, maps[i].hashes.features[indices[n]],
+                                    std::as_bytes(std::span(words[n]))});
+      written[row] = words[n];
+    }
   }
   copy.Finish();
+  return written;
 }
 
-// Of the keyframes that the store has by now.
-PlacesByKey PlacesOf(SaveContext& context, const std::string& maps) {
-  PlacesByKey places;
-  std::vector<PlaceWords> place;
-  PlaceKey key{0, 0};
-  const auto end = [&] {
-    if (!place.empty()) places[key] = rows::SharedWords(place);
-    place.clear();
-    ++key.second;
-  };
+// Adds those that the store has, of keyframes of some maps.
+void ReadWords(SaveContext& context, const std::string& maps, WordsByRow& words) {
   context.connection.CopyOut(
-      Concat("SELECT map, words FROM ", context.partition.Table("keyframe"), " JOIN ",
-             context.partition.Table("keyframe_words"),
-             " ON keyframe_words.atlas = keyframe.atlas AND keyframe_words.keyframe = row WHERE ",
-             InNewest(context.atlas, "keyframe."), " AND map IN (", maps, ") ORDER BY map, id, row"),
+      Concat("SELECT keyframe, words FROM ", context.partition.Table("keyframe_words"),
+             " WHERE atlas = ", context.atlas, " AND keyframe >> 32 IN (", maps, ")"),
       [&](const Row& row) {
-        if (row.Integer(0) != key.first || place.size() == kOfAPlace) end();
-        if (row.Integer(0) != key.first) key = {row.Integer(0), 0};
-        PlaceWords& words = place.emplace_back();
+        const auto [entry, is_new] = words.try_emplace(row.Integer(0));
         const Bytes bytes = row.Blob(1);
-        std::memcpy(words.data(), bytes.data(), std::min(bytes.size(), sizeof words));
+        if (is_new) std::memcpy(entry->second.data(), bytes.data(), std::min(bytes.size(), sizeof entry->second));
       },
       "table keyframe_words");
-  end();
+}
+
+// Of each keyframe of a map, in the order of their ids.
+std::vector<PlaceWords> WordsInOrder(const Map& map, const rows::ListPlan& plan, const WordsByRow& words) {
+  std::vector<std::pair<std::uint64_t, std::int64_t>> order;  // id and row
+  for (std::size_t k = 0; k < plan.entries.size(); ++k)
+    order.emplace_back(map.keyframes[k].id.value(), plan.entries[k].row);
+  std::ranges::sort(order);
+  std::vector<PlaceWords> all;
+  for (const auto& [id, row] : order)
+    if (const auto found = words.find(row); found != words.end()) all.push_back(found->second);
+  return all;
+}
+
+PlacesByKey PlacesOf(const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
+                     const std::set<std::int64_t>& of_maps, const WordsByRow& words) {
+  PlacesByKey places;
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    if (!of_maps.contains(maps[i].row)) continue;
+    const std::vector<PlaceWords> all = WordsInOrder(maps[i].map, plans[i].keyframes, words);
+    for (std::size_t begin = 0; begin < all.size(); begin += kOfAPlace)
+      places[{maps[i].row, static_cast<std::int64_t>(begin / kOfAPlace)}] =
+          rows::SharedWords(std::span(all).subspan(begin, std::min(kOfAPlace, all.size() - begin)));
+  }
   return places;
 }
 
-// Writes the places of some maps that are not as they were.
-void WritePlaces(SaveContext& context, const std::set<std::int64_t>& of_maps) {
-  if (of_maps.empty()) return;
-  const std::string maps = ListOf(of_maps);
-  PlacesByKey places = PlacesOf(context, maps);
+// Writes those of some maps that are not as they were.
+void WritePlaces(SaveContext& context, const std::string& maps, PlacesByKey places) {
   std::vector<std::int64_t> old_maps, old_numbers;
   if (!context.is_new)
     context.connection.CopyOut(
@@ -110,11 +125,13 @@ void WritePlaces(SaveContext& context, const std::set<std::int64_t>& of_maps) {
           old_numbers.push_back(row.Integer(1));
         },
         "table place");
-  if (!old_maps.empty())
+  if (!old_maps.empty()) {
+    const HashedJoins hashed(context.connection);
     context.connection.Query(
         "DELETE FROM place WHERE atlas = $1 AND (map, number) IN (SELECT * FROM unnest ($2::bigint[], $3::bigint[]))",
         {context.atlas, std::span<const std::int64_t>(old_maps), std::span<const std::int64_t>(old_numbers)},
         "table place");
+  }
   if (places.empty()) return;
   CopyIn copy(context.connection, PlaceTable().target, PlaceTable().types, context.way());
   for (const auto& [key, words] : places) {
@@ -129,12 +146,15 @@ void WritePlaces(SaveContext& context, const std::set<std::int64_t>& of_maps) {
 void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
                bool all_places) {
   const ChangedWords changed = FindChangedWords(context, maps, plans);
-  WriteWords(context, maps, plans, changed);
+  WordsByRow words = WriteWords(context, maps, plans, changed);
   std::set<std::int64_t> changed_maps;
   for (std::size_t i = 0; i < maps.size(); ++i)
     if (all_places || !changed.by_map[i].empty()) changed_maps.insert(maps[i].row);
   for (const std::int64_t row : changed.gone) changed_maps.insert(rows::MapOfRow(row));
-  WritePlaces(context, changed_maps);
+  if (changed_maps.empty()) return;
+  const std::string rows_of_maps = ListOf(changed_maps);
+  if (!context.is_new) ReadWords(context, rows_of_maps, words);
+  WritePlaces(context, rows_of_maps, PlacesOf(maps, plans, changed_maps, words));
 }
 
 bool HasAllWords(SaveContext& context, const Atlas& atlas) {

@@ -154,4 +154,26 @@ class Transaction {
   bool open_ = true;
 };
 
+// While it lives, in a transaction, tables are joined by hashing or sorting. Of an atlas that is new the server's
+// statistics know nothing: it is taken for a row or two, and a loop in a loop is chosen, which is quadratic. What is
+// read and written of a whole atlas each time has no joins instead, as rows on other servers are joined as these
+// choose.
+class HashedJoins {
+ public:
+  explicit HashedJoins(Connection& connection) : connection_(connection) {
+    connection.Execute("SET LOCAL enable_nestloop TO off");
+  }
+  ~HashedJoins() {
+    try {
+      connection_.Execute("RESET enable_nestloop");
+    } catch (const Error&) {  // the transaction has failed, and ends
+    }
+  }
+  HashedJoins(const HashedJoins&) = delete;
+  HashedJoins& operator=(const HashedJoins&) = delete;
+
+ private:
+  Connection& connection_;
+};
+
 }  // namespace slamdb::postgresql

@@ -93,7 +93,9 @@ class Loader {
   struct Packed;
   struct Missing;
   void LoadFeatures();
-  void LoadFeaturesOnto();
+  // Some keyframes a question: only those that the base does not have, or from another server, which would be asked for
+  // each picture by itself.
+  void LoadFeaturesInBatches();
   std::vector<Missing> FindMissing();
   std::map<Uuid, const KeyFrame*> PicturesOfBase(const std::vector<Missing>& missing) const;
   void FetchFeatures(std::span<const Missing> missing, const std::map<Uuid, const KeyFrame*>& pictures);
@@ -128,7 +130,7 @@ class Loader {
   const ReadOptions& options_;
   const Selection& selection_;
   Named named_;
-  bool is_newest_ = false;  // of one server
+  bool is_remote_ = false;  // its rows are on another server
   Atlas atlas_;
   detail::AtlasHashes hashes_;
   std::vector<MapRows> maps_;
