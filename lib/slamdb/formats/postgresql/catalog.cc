@@ -296,7 +296,7 @@ void WriteBytes(Connection& connection, std::int64_t atlas, const Partition& par
 
 bool IsAsSaved(Connection& connection, const Named& named) {
   if (PartitionOf(connection, named.atlas).is_remote) return false;
-  const HashedJoins hashed(connection);
+  const LocalSetting loops(connection, "enable_nestloop", "off");
   std::string edited;
   for (const std::string_view table : {"camera", "map", "keyframe", "keyframe_features", "map_point", "landmark"})
     edited +=

@@ -120,12 +120,13 @@ std::int64_t Connection::Integer(const std::string& sql, const std::vector<Param
 
 // The search path is set in the transaction, so that a pool of connections that gives each transaction another one
 // will do. That it may write is not said: only what a standby is really asked to write is an error. Tables of a
-// partition on another server are joined there. Nothing is compiled for statements which copy rows.
+// partition on another server are joined there. Statements that copy rows are neither compiled nor given to more
+// processes, whose start takes longer.
 Transaction::Transaction(Connection& connection, Kind kind) : connection_(connection) {
   const std::string level = kind == Kind::kRead ? "REPEATABLE READ READ ONLY" : "READ COMMITTED";
   connection.Execute("BEGIN ISOLATION LEVEL " + level +
                      "; SET LOCAL search_path TO slamdb, pg_temp; SET LOCAL enable_partitionwise_join TO on; "
-                     "SET LOCAL jit TO off" +
+                     "SET LOCAL jit TO off; SET LOCAL max_parallel_workers_per_gather TO 0" +
                      (kind == Kind::kWriteWithoutSync ? "; SET LOCAL synchronous_commit TO off" : ""));
 }
 

@@ -2,6 +2,7 @@
 #include "slamdb/formats/postgresql/detail/find_places.h"
 
 #include <cstring>
+#include <memory>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
@@ -44,6 +45,7 @@ std::vector<rows::PlaceWords> ReadOthers(Connection& connection, const Partition
   const std::set<std::int64_t> atlases(chosen.begin(), chosen.end());
   std::vector<rows::PlaceWords> others;
   if (atlases.empty()) return others;
+  const LocalSetting reading_all(connection, "enable_seqscan", "off");
   connection.CopyOut(
       Concat("SELECT words FROM ", partition.Table("keyframe_words"), " WHERE atlas IN (", ListOf(atlases),
              ") AND keyframe & 4294967295 < ", kOfAMap, " ORDER BY atlas, keyframe"),
@@ -78,6 +80,7 @@ std::set<MapKey> PlaceFinder::MapsLikeAny(Connection& connection, const Partitio
              "DESC, atlas, map, number LIMIT ",
              kPlaces);
   const std::vector<std::int64_t> without = RowsOf(connection, options_.without);
+  const LocalSetting parallel(connection, "max_parallel_workers_per_gather", "DEFAULT", "0");  // all rows are looked at
   std::set<MapKey> maps;
   for (const rows::PlaceWords& picture : pictures_) {
     const double share = rows::CountOf(picture) / (8.0 * sizeof picture);
@@ -95,6 +98,8 @@ std::set<MapKey> PlaceFinder::MapsLikeAny(Connection& connection, const Partitio
 
 void PlaceFinder::ReadMaps(Connection& connection, const Partition& partition, const std::set<MapKey>* only,
                            Part& part) {
+  const auto reading_all =
+      only == nullptr ? nullptr : std::make_unique<const LocalSetting>(connection, "enable_seqscan", "off");
   connection.CopyOut(
       Concat("SELECT atlas, map.row, name, id FROM ", partition.Table("map"),
              " JOIN atlas ON atlas.row = map.atlas WHERE until = 2147483647",

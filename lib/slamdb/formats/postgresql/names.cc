@@ -92,7 +92,7 @@ GivenUpRows SizesOf(std::uint64_t rows, const Row& pictures) {
 GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
   std::uint64_t rows = 0;
   const std::vector<Parameter> parameters = {atlas, std::span(kept)};
-  const HashedJoins hashed(connection);
+  const LocalSetting loops(connection, "enable_nestloop", "off");
   for (const Versioned& each : VersionedTables())
     rows += static_cast<std::uint64_t>(connection
                                            .Query(Concat("DELETE FROM ", each.table, " WHERE atlas = $1 AND ", kOfNone),
@@ -109,7 +109,7 @@ GivenUpRows DeleteAllBut(Connection& connection, std::int64_t atlas, const std::
 GivenUpRows CountAllBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
   std::uint64_t rows = 0;
   const std::vector<Parameter> parameters = {atlas, std::span(kept)};
-  const HashedJoins hashed(connection);
+  const LocalSetting loops(connection, "enable_nestloop", "off");
   for (const Versioned& each : VersionedTables())
     rows += static_cast<std::uint64_t>(
         connection.Integer(Concat("SELECT count(*) FROM ", each.table, " WHERE atlas = $1 AND ", kOfNone), parameters));

@@ -131,7 +131,7 @@ std::uint64_t UndoUnfinished(Connection& connection, const Partition& partition,
             .changed();
   }
   if (newest == 0) rows += DeletePictures(connection, atlas);
-  const HashedJoins hashed(connection);
+  const LocalSetting loops(connection, "enable_nestloop", "off");
   return static_cast<std::uint64_t>(rows) + ForgetWords(connection, partition, atlas) +
          ForgetPlaces(connection, partition, atlas);
 }

@@ -126,7 +126,7 @@ void WritePlaces(SaveContext& context, const std::string& maps, PlacesByKey plac
         },
         "table place");
   if (!old_maps.empty()) {
-    const HashedJoins hashed(context.connection);
+    const LocalSetting loops(context.connection, "enable_nestloop", "off");
     context.connection.Query(
         "DELETE FROM place WHERE atlas = $1 AND (map, number) IN (SELECT * FROM unnest ($2::bigint[], $3::bigint[]))",
         {context.atlas, std::span<const std::int64_t>(old_maps), std::span<const std::int64_t>(old_numbers)},

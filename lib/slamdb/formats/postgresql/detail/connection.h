@@ -154,26 +154,31 @@ class Transaction {
   bool open_ = true;
 };
 
-// While it lives, in a transaction, tables are joined by hashing or sorting. Of an atlas that is new the server's
-// statistics know nothing: it is taken for a row or two, and a loop in a loop is chosen, which is quadratic. What is
-// read and written of a whole atlas each time has no joins instead, as rows on other servers are joined as these
-// choose.
-class HashedJoins {
+// A setting of the server while it lives, in a transaction.
+//
+// Most are of how the server goes about a statement. Of an atlas that is new its statistics know nothing: it takes it
+// for a row or two, and joins by a loop in a loop, which is quadratic (enable_nestloop), or for a share of all, and
+// reads whole tables (enable_seqscan). What is read and written of an atlas each time has no joins instead, as rows on
+// other servers are joined as these choose.
+class LocalSetting {
  public:
-  explicit HashedJoins(Connection& connection) : connection_(connection) {
-    connection.Execute("SET LOCAL enable_nestloop TO off");
+  LocalSetting(Connection& connection, const std::string& name, const std::string& value,
+               const std::string& afterwards = "DEFAULT")
+      : connection_(connection), back_("SET LOCAL " + name + " TO " + afterwards) {
+    connection.Execute("SET LOCAL " + name + " TO " + value);
   }
-  ~HashedJoins() {
+  ~LocalSetting() {
     try {
-      connection_.Execute("RESET enable_nestloop");
+      connection_.Execute(back_);
     } catch (const Error&) {  // the transaction has failed, and ends
     }
   }
-  HashedJoins(const HashedJoins&) = delete;
-  HashedJoins& operator=(const HashedJoins&) = delete;
+  LocalSetting(const LocalSetting&) = delete;
+  LocalSetting& operator=(const LocalSetting&) = delete;
 
  private:
   Connection& connection_;
+  const std::string back_;
 };
 
 }  // namespace slamdb::postgresql
