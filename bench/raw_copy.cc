@@ -35,7 +35,7 @@ void End(Connection& connection) {
 
 }  // namespace
 
-std::vector<RawRows> CopyRawOut(const std::string& uri) {
+std::vector<RawRows> CopyRawOut(const std::string& uri, bool keep) {
   const postgresql::KeptConnection kept(uri, {});
   Connection& connection = *kept;
   const Transaction transaction(connection, Transaction::Kind::kRead);
@@ -54,7 +54,7 @@ std::vector<RawRows> CopyRawOut(const std::string& uri) {
     char* bytes = nullptr;
     for (int size = 0; (size = PQgetCopyData(connection.handle(), &bytes, 0)) > 0;) {
       const std::unique_ptr<char, FreeMemory> message(bytes);
-      rows.bytes.append(bytes, static_cast<std::size_t>(size));
+      if (keep) rows.bytes.append(bytes, static_cast<std::size_t>(size));
     }
     End(connection);
   }

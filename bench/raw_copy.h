@@ -13,8 +13,8 @@ struct RawRows {
 };
 
 // Copies the rows of the newest revisions out of a store and into another one, as they are: nothing is decoded, hashed
-// or looked at, so that no load and no save of them can take less.
-std::vector<RawRows> CopyRawOut(const std::string& uri);
+// or looked at, so that no load and no save of them can take less. Not to `keep` them leaves their bytes empty.
+std::vector<RawRows> CopyRawOut(const std::string& uri, bool keep);
 void CopyRawIn(const std::string& uri, const std::vector<RawRows>& tables);
 
 }  // namespace slamdb::bench

@@ -184,7 +184,6 @@ int CompareStores(const std::string& path, int rounds) {
   const std::string file = fs::temp_directory_path() / "slamdb_server_bench.db";
   const Table table(FirstLine(fs::path(server.folder()) / "data/postmaster.pid"), rounds);
   std::unique_ptr<Database> one, other;
-  std::vector<RawRows> raw;
   const auto make = [&server](std::unique_ptr<Database>& database, int partitions) {
     database.reset();
     database = std::make_unique<Database>(server, partitions);
@@ -206,7 +205,8 @@ int CompareStores(const std::string& path, int rounds) {
             {{}, [&] { Store::Open(file).Load("a@1"); }});
   table.Row("list; a file", {{}, [&] { Store::Open(one->uri()).List(); }}, {{}, [&] { Store::Open(file).List(); }});
   table.Row("load; COPY of the same rows", {{}, [&] { Store::Open(one->uri()).Load("a"); }},
-            {{}, [&] { raw = CopyRawOut(one->uri()); }});
+            {{}, [&] { CopyRawOut(one->uri(), false); }});
+  const std::vector<RawRows> raw = CopyRawOut(one->uri(), true);
   table.Row("save; COPY of the same rows", {make_one, [&] { SaveIn(one->uri(), atlas); }},
             {[&] { make(other, 1); }, [&] { CopyRawIn(other->uri(), raw); }});
   table.Row("save in three partitions; in one", {[&] { make(other, 3); }, [&] { SaveIn(other->uri(), atlas); }},
