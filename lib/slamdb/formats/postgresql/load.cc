@@ -44,9 +44,8 @@ Atlas Loader::Run() {
   return std::move(atlas_);
 }
 
-std::string Loader::Mine(std::string_view prefix) const {
-  return named_.is_newest() && !is_remote_ ? InNewest(named_.atlas, prefix)
-                                           : InRevision(named_.atlas, named_.number, prefix);
+std::string Loader::Mine() const {
+  return named_.is_newest() && !is_remote_ ? InNewest(named_.atlas) : InRevision(named_.atlas, named_.number);
 }
 
 std::string Loader::OfMap(std::string_view row) const {

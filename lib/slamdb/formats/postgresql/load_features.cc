@@ -7,7 +7,6 @@
 #include "slamdb/base/detail/task_queue.h"
 #include "slamdb/formats/postgresql/detail/loader.h"
 #include "slamdb/formats/rows/detail/features_blob.h"
-#include "slamdb/formats/rows/detail/plan.h"
 
 namespace slamdb::postgresql {
 namespace {

@@ -78,7 +78,7 @@ std::vector<StoredLists> ReadStoredLists(SaveContext& context, const std::vector
   std::vector<StoredLists> lists(maps.size());
   if (maps.empty()) return lists;
   const ByMap by_map(maps);
-  const std::string newest = Concat("atlas = ", context.atlas, " AND until = ", kNewest);
+  const std::string newest = InNewest(context.atlas);
   context.connection.CopyOut(
       Concat("SELECT row, id, unique_id IS NOT NULL, hash, links_hash, timestamp FROM keyframe WHERE ", newest,
              " ORDER BY row"),

@@ -66,14 +66,11 @@ void CheckIsStore(const StoreHead& head, const std::string& path) {
 
 }  // namespace
 
-std::string InRevision(std::int64_t atlas, std::int64_t revision, std::string_view prefix) {
-  return Concat(prefix, "atlas = ", atlas, " AND ", prefix, "since <= ", revision, " AND ", prefix, "until > ",
-                revision);
+std::string InRevision(std::int64_t atlas, std::int64_t revision) {
+  return Concat("atlas = ", atlas, " AND since <= ", revision, " AND until > ", revision);
 }
 
-std::string InNewest(std::int64_t atlas, std::string_view prefix) {
-  return Concat(prefix, "atlas = ", atlas, " AND ", prefix, "until = ", kNewest);
-}
+std::string InNewest(std::int64_t atlas) { return Concat("atlas = ", atlas, " AND until = ", kNewest); }
 
 std::string ListOf(const std::set<std::int64_t>& numbers) {
   std::string list;

@@ -90,7 +90,6 @@ class Loader {
     std::size_t map = 0, index = 0;
   };
   class Due;
-  struct Packed;
   struct Missing;
   void LoadFeatures();
   // Some keyframes a question: only those that the base does not have, or from another server, which would be asked for
@@ -105,7 +104,7 @@ class Loader {
 
   // ---- what all do
   // Which rows are of the revision, as SQL.
-  std::string Mine(std::string_view prefix = {}) const;
+  std::string Mine() const;
   // ` AND row BETWEEN ...` where one map alone is wanted, so that nothing else is sent.
   std::string OfMap(std::string_view row = "row") const;
   // Of a map by its row; as many as there are: it is not selected.

@@ -18,10 +18,10 @@ namespace slamdb::postgresql {
 // Rows that the newest revision has: `until`.
 inline constexpr std::int64_t kNewest = 2147483647;
 
-// Which rows of the atlas a revision has, as SQL: `atlas = 7 AND since <= 3 AND until > 3`. `prefix`: `k.`, or empty.
-std::string InRevision(std::int64_t atlas, std::int64_t revision, std::string_view prefix = {});
+// Which rows of the atlas a revision has, as SQL: `atlas = 7 AND since <= 3 AND until > 3`.
+std::string InRevision(std::int64_t atlas, std::int64_t revision);
 // Those of the newest, by the indexes of these: where all is of one server, so that nothing is left unfinished.
-std::string InNewest(std::int64_t atlas, std::string_view prefix = {});
+std::string InNewest(std::int64_t atlas);
 
 // `1, 5`: for COPY (SELECT ...), which takes no parameters.
 std::string ListOf(const std::set<std::int64_t>& numbers);
