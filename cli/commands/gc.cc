@@ -92,7 +92,7 @@ const Command kGc = {
     .summary = "give up earlier revisions of a store's atlases",
     .group = Group::kStore,
     .description =
-        R"(Gives up revisions for good, all in one transaction, and the space that they took. What is to be kept has to be said; of several
+        R"(Gives up revisions for good, all of a file in one transaction, and the space that they took. What is to be kept has to be said; of several
 ways to keep, one is enough. The newest revision of every atlas stays, and so does what has a tag, and where another atlas was
 branched off or merged from, and those that say so.)",
     .failed = "The store could not be written, or another program uses it.",

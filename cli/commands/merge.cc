@@ -35,6 +35,7 @@ struct MergeVerbOptions {
   std::string id_map, vocabulary;
   bool align = false, join = false, scale = false, no_scale = false, fuse = false, no_fuse = false, no_base = false;
   std::string base;
+  bool base_is_found = false;  // by the history of the store
   BranchGeometry geometry = BranchGeometry::kAlign;
   BranchSide prefer = BranchSide::kOurs;
   std::string transform, anchors, maps;
@@ -119,6 +120,25 @@ ExitCode MergeAndJoin(std::vector<Atlas> atlases, const MergeOptions& merge, Sid
   return FinishEdit(text, ToJson(result, FilesOf(options.edit).output), options.edit, console, notices);
 }
 
+// A side that lacks much of what it is said to come from was more likely saved from before that: all that it lacks
+// would count as deleted.
+void RefuseDoubtfulBase(const MergeVerbOptions& options, const std::vector<Atlas>& base_and_sides, int threads) {
+  constexpr std::size_t kMostDeleted = 10, kFewDeleted = 3;  // a tenth of the base
+  const Location base(options.base);
+  std::size_t keyframes = 0;
+  for (const Map& map : base_and_sides[0].maps) keyframes += map.keyframes.size();
+  for (std::size_t side = 0; side < options.inputs.size(); ++side) {
+    const std::size_t lacking = CountMissingKeyframes(base_and_sides[0], base_and_sides[side + 1], threads);
+    if (lacking <= std::max(keyframes / kMostDeleted, kFewDeleted)) continue;
+    throw Error(ErrorKind::kNotPossible, base.path, "",
+                Location(options.inputs[side]).name + " lacks " + std::to_string(lacking) + " of the " +
+                    std::to_string(keyframes) + " keyframes of " + base.name +
+                    ", which the history says it was made of: they would count as deleted. Where it was saved from "
+                    "before that, say what both were made of, as --base " +
+                    base.path + "#NAME@N ('slamdb log' lists them); where they were culled, --base " + options.base);
+  }
+}
+
 // What two robots made of one base.
 ExitCode MergeTheBranches(const MergeVerbOptions& options, Console& console) {
   if (options.inputs.size() != 2) RefuseUsage("--base is of two inputs, ours and theirs, which were made of it");
@@ -135,6 +155,7 @@ ExitCode MergeTheBranches(const MergeVerbOptions& options, Console& console) {
   Notices notices;
   SideFile id_map(options.id_map, options.edit);
   std::vector<Atlas> atlases = ReadInputs(options, console, notices);
+  if (options.base_is_found) RefuseDoubtfulBase(options, atlases, console.threads());
   const MergeBranchesResult result =
       MergeBranches(std::move(atlases[0]), std::move(atlases[1]), std::move(atlases[2]), merge);
   const ThreeWayReport& report = result.merged.report;
@@ -152,37 +173,6 @@ std::optional<Store> StoreOfBoth(const Location& first, const Location& second, 
   const bool same = !first.name.empty() && !second.name.empty() && HoldsNamedAtlases(first.path) &&
                     detail::IsSameFile(first.path, std::nullopt, second.path, std::nullopt);
   return same ? std::optional(Store::Open(first.path, wait)) : std::nullopt;
-}
-
-using KeyframeKey = std::pair<std::uint64_t, double>;  // id and time
-
-std::vector<KeyframeKey> KeyframesOf(Store& store, const std::string& name) {
-  std::vector<KeyframeKey> keys;
-  for (const Map& map : store.Load(name, {.features = FeatureColumns::kNone}).maps)
-    for (const KeyFrame& keyframe : map.keyframes) keys.emplace_back(keyframe.id.value(), keyframe.timestamp);
-  return keys;
-}
-
-// A side that lacks much of what it is said to come from was more likely saved from before that: all that it lacks
-// would count as deleted.
-void RefuseDoubtfulBase(Store& store, const std::string& path, const std::vector<std::string>& sides,
-                        const RevisionName& base) {
-  constexpr double kMostDeleted = 0.1, kFewDeleted = 3;
-  const std::vector<KeyframeKey> keyframes = KeyframesOf(store, base.ToString());
-  const double most = std::max(kMostDeleted * static_cast<double>(keyframes.size()), kFewDeleted);
-  for (const std::string& side : sides) {
-    const std::vector<KeyframeKey> keys = KeyframesOf(store, side);
-    const std::set<KeyframeKey> there(keys.begin(), keys.end());
-    const auto lacking = std::ranges::count_if(keyframes, [&](const KeyframeKey& key) { return !there.contains(key); });
-    if (static_cast<double>(lacking) <= most) continue;
-    const std::string name = path + "#" + base.ToString();
-    throw Error(ErrorKind::kNotPossible, path, "",
-                side + " lacks " + std::to_string(lacking) + " of the " + std::to_string(keyframes.size()) +
-                    " keyframes of " + base.ToString() +
-                    ", which the history says it was made of: they would count as deleted. Where it was saved from "
-                    "before that, say what both were made of, as --base " +
-                    path + "#NAME@N ('slamdb log' lists them); where they were culled, --base " + name);
-  }
 }
 
 // Of two atlases of a store: what both come from, if its history knows it and no other base is given; where the result
@@ -206,7 +196,7 @@ std::string FindBranches(MergeVerbOptions& options) {
       RefuseUsage("an atlas is called " + base->ToString() +
                   ", which hides the revision that both come from: say it with "
                   "--base");
-    RefuseDoubtfulBase(*store, ours.path, {ours.name, theirs.name}, *base);
+    options.base_is_found = true;
     options.base = ours.path + "#" + base->ToString();
     found = ours.name + " and " + theirs.name + " both come from " + base->ToString() +
             ": merged three ways; --no-base keeps their maps side by side";

@@ -92,8 +92,9 @@ std::string ThreeWayText(const ThreeWayReport& report) {
   }
   if (report.contains) {
     const bool is_ours = *report.contains == BranchSide::kOurs;
-    return report.names[is_ours ? 1 : 2] + " was made of " + report.names[is_ours ? 2 : 1] +
-           ", whose new keyframes it has: the result is " + report.names[is_ours ? 1 : 2] + ", as it is\n";
+    const std::string &all = report.names[is_ours ? 1 : 2], &part = report.names[is_ours ? 2 : 1];
+    return all + " has all new keyframes of " + part + ", as after a merge: the result is " + all +
+           ", as it is; what else " + part + " changed is not in it\n";
   }
   std::string text = LedgersTable(report);
   if (const std::string ids = ShiftText(report.shift); !ids.empty())

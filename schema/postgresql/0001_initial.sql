@@ -20,10 +20,11 @@ CREATE TABLE store (
 );
 COMMENT ON TABLE store IS 'The store itself: one row.';
 
--- Differences tell an index only which ranges lie close to each other; those of a quarter are within what a number holds.
-CREATE FUNCTION quarter_difference(a double precision, b double precision) RETURNS double precision
-  LANGUAGE sql IMMUTABLE STRICT AS $$ SELECT a / 4 - b / 4 $$;
-CREATE TYPE span AS RANGE (SUBTYPE = double precision, SUBTYPE_DIFF = quarter_difference);
+-- Differences tell an index only which ranges lie close to each other. Where a number would not hold them, as of what
+-- uninitialised memory left, PostgreSQL has errors.
+CREATE FUNCTION bounded_difference(a double precision, b double precision) RETURNS double precision
+  LANGUAGE sql IMMUTABLE STRICT AS $$ SELECT greatest(least(a, 1e300), -1e300) - greatest(least(b, 1e300), -1e300) $$;
+CREATE TYPE span AS RANGE (SUBTYPE = double precision, SUBTYPE_DIFF = bounded_difference);
 
 CREATE TABLE atlas (
   row bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,

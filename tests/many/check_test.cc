@@ -133,6 +133,25 @@ TEST_F(CheckJournalTest, ADamagedLineIsNamed) {
   EXPECT_EQ(error.place(), "line 2");
 }
 
+TEST_F(CheckJournalTest, HasOnlyWhatWasReadUnderItsName) {
+  CheckAtlasesOptions options = Journaled();
+  options.read.threads = 1;
+  const std::vector<std::string> named = {folder_ / "s.db"};
+  // While the first is taken, somebody saves another one under the name of the last, and takes it back later.
+  CheckAtlases(FindAtlases(named), options, [&](Outcome<CheckReport>&& outcome) {
+    if (outcome.path.ends_with("map1")) WriteAtlas(Made(1), Location(folder_ / "s.db", "map5"), {.overwrite = true});
+  });
+  Store::OpenForWriting(folder_ / "s.db").Restore("map5@1");
+  EXPECT_EQ(Check(Journaled()), Check({}));
+}
+
+TEST_F(CheckJournalTest, IsOfOneSetOfGatesAndVocabulary) {
+  (void)Check(Journaled());
+  CheckAtlasesOptions gated = Journaled();
+  gated.check.gates = {{.gate = "min-maps", .limit = 1}};
+  EXPECT_EQ(ErrorOf([&] { (void)Check(gated); }).kind(), ErrorKind::kUsage);
+}
+
 TEST_F(CheckJournalTest, OutcomesComeInOrderAsSoonAsTheyAreThere) {
   std::vector<std::string> names;
   std::vector<std::string> named = {folder_.path().string()};

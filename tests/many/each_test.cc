@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -69,6 +71,29 @@ TEST(EachRow, NoneIsTakenBehindTheOneThatThrows) {
               }).kind(),
               ErrorKind::kOutOfResources);
     ASSERT_THAT(taken, ElementsAre(0, 1, 2, 3)) << attempt;
+  }
+}
+
+TEST(EachRow, WorkIsOnlySomeRowsAhead) {
+  constexpr std::size_t kRows = 2000, kMost = 100;
+  std::atomic<std::size_t> begun = 0;
+  std::size_t farthest = 0;
+  const auto work = [&](std::size_t row, const ReadOptions&) {
+    ++begun;
+    if (row == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  };
+  ForEachRow(kRows, {.threads = 2}, work, [&](std::size_t row) { farthest = std::max(farthest, begun - row); });
+  EXPECT_LT(farthest, kMost);
+}
+
+TEST(EachRow, WhereOneFailsNobodyWaits) {
+  for (int attempt = 0; attempt < 20; ++attempt) {
+    const auto work = [](std::size_t row, const ReadOptions&) {
+      if (row > 0) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the others are as far ahead as they may be
+      throw Error(ErrorKind::kDamaged, "broken");
+    };
+    EXPECT_EQ(ErrorOf([&] { ForEachRow(2000, {.threads = 4}, work, [](std::size_t) {}); }).kind(), ErrorKind::kDamaged);
   }
 }
 

@@ -20,14 +20,12 @@ struct Checked {
   std::string content;
 };
 
-CheckReport CheckOne(const AtlasInput& input, const ReadOptions& read, CheckOptions check,
-                     const LoadedVocabulary* words, Notices& notices) {
-  const std::shared_ptr<const Atlas> atlas = AtlasOf(input, read, notices);
+CheckReport CheckOne(const Atlas& atlas, const ReadOptions& read, CheckOptions check, const LoadedVocabulary* words) {
   if (words != nullptr)
-    RequireVocabulary(*atlas, {.tree = &words->tree, .identity = words->identity, .threads = read.threads});
+    RequireVocabulary(atlas, {.tree = &words->tree, .identity = words->identity, .threads = read.threads});
   check.threads = read.threads;
   check.progress = read.progress;
-  return CheckAtlas(*atlas, check);
+  return CheckAtlas(atlas, check);
 }
 
 }  // namespace
@@ -57,7 +55,9 @@ std::uint64_t CheckAtlases(const AtlasInputs& inputs, const CheckAtlasesOptions&
         return checked;
       }
     }
-    checked.report = CheckOne(input, read, check, words, notices);
+    const std::shared_ptr<const Atlas> atlas = AtlasOf(input, read, notices);
+    checked.report = CheckOne(*atlas, read, check, words);
+    if (!detail::IsContent(checked.content, input, *atlas, read.threads)) checked.content.clear();
     return checked;
   };
   std::uint64_t known = 0;

@@ -17,6 +17,7 @@
 #include "slamdb/checks/detail/json.h"
 #include "slamdb/formats/orbslam3/options.h"
 #include "slamdb/formats/store/store.h"
+#include "slamdb/model/digest.h"
 #include "slamdb/version.h"
 
 namespace slamdb::detail {
@@ -29,6 +30,14 @@ int Open(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (file < 0) throw SystemError(path, "cannot open the journal");
   return file;
+}
+
+std::string OfHash(std::uint64_t hash) { return Concat("hash ", Hex(hash)); }
+
+std::string OfFile(const std::string& path) {
+  struct stat status {};
+  if (path == "-" || IsServer(path) || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
+  return Concat(status.st_size, " bytes of ", status.st_mtim.tv_sec, " s and ", status.st_mtim.tv_nsec, " ns");
 }
 
 // What the results depend on besides the atlases.
@@ -152,11 +161,14 @@ std::string Contents::Of(const AtlasInput& input) {
       }
     }
     const auto hash = store->second.find(name);
-    return hash == store->second.end() ? std::string() : Concat("hash ", Hex(hash->second));
+    return hash == store->second.end() ? std::string() : OfHash(hash->second);
   }
-  struct stat status {};
-  if (path == "-" || IsServer(path) || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
-  return Concat(status.st_size, " bytes of ", status.st_mtim.tv_sec, " s and ", status.st_mtim.tv_nsec, " ns");
+  return OfFile(path);
+}
+
+bool IsContent(const std::string& content, const AtlasInput& input, const Atlas& atlas, int threads) {
+  if (content.empty()) return true;
+  return content == (input.location.name.empty() ? OfFile(input.location.path) : OfHash(HashOf(atlas, threads)));
 }
 
 }  // namespace slamdb::detail

@@ -82,7 +82,7 @@ struct SyncOptions {
 // A store is made where something is to be copied to it and it is missing.
 //
 // Cost: of atlases that are the same, some 20 bytes a revision, a thousand atlases in one statement; of a revision what
-// changed (Store::LoadOnto, Store::Save). Memory: of two atlases.
+// changed (Store::LoadOnto, Store::Save). Memory: of three atlases.
 //
 // Throws Error: kUsage when both are one store, or what a path leads to is named like no store; kNotFound when neither
 // is there, or the first where it is one way; and what ends the work for other atlases, too (the connection is lost,

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <set>
 #include <thread>
 
 #include "slamdb/formats/orbslam3/orbslam3.h"
@@ -195,6 +196,51 @@ TEST_P(StoreContract, TagsBranchesAndRestores) {
   ExpectHolds("a", first);
   store.Untag("a", "release");
   EXPECT_THAT(ErrorOf([&] { store.Untag("a", "release"); }), HasSubstr("no tag 'release'"));
+}
+
+// A robot that takes what was merged as it is, and both go on: that is what they come from by then.
+TEST_P(StoreContract, WhatIsTheSameIsTheBaseWhoeverSavedIt) {
+  Atlas atlas = SoundAtlas();
+  const auto next = [&] {
+    atlas.maps[0].points[0].position.x() += 1;
+    return atlas;
+  };
+  Save(atlas, "lab");
+  Store store = Writer();
+  store.Branch("lab", "robot");
+  store.Save("robot", next());
+  store.Save("lab", next(), {.from = store.FindRevision("robot")});
+  store.Save("robot", atlas);
+  EXPECT_EQ(store.CommonBase("lab", "robot")->hash, HashOf(atlas));
+  const std::uint64_t merged = HashOf(atlas);
+  store.Save("lab", next());
+  store.Save("robot", next());
+  EXPECT_EQ(store.CommonBase("lab", "robot"), (RevisionName{"lab", 2, merged}));
+  EXPECT_EQ(store.CommonBase("robot", "lab"), (RevisionName{"lab", 2, merged}));
+  // Taken back and forth no base is lost.
+  store.Save("robot", SoundAtlas());
+  store.Restore("lab@1");
+  EXPECT_EQ(store.CommonBase("lab", "robot")->hash, HashOf(SoundAtlas()));
+}
+
+TEST_P(StoreContract, GivesUpNeitherWhatABranchComesFromNorForOneRevision) {
+  const Atlas first = SoundAtlas();
+  Atlas atlas = first;
+  Save(first);
+  Store store = Writer();
+  store.Branch("a", "robot");
+  for (int i = 0; i < 2; ++i) {
+    atlas.maps[0].points[0].position.x() += 1;
+    store.Save("a", atlas);
+    store.Save("robot", atlas);
+  }
+  EXPECT_THAT(ErrorOf([&] { store.GiveUp({.keep = 1}, "a@2"); }), HasSubstr("'a@2' is one revision"));
+  EXPECT_THAT(ErrorOf([&] { store.GiveUp({.keep = 1}, "nobody"); }), HasSubstr("no atlas named 'nobody'"));
+  store.GiveUp({.keep = 1});
+  ExpectHolds("a@1", first);
+  ExpectHolds("robot@1", first);
+  ExpectHolds("a", atlas);
+  EXPECT_THAT(ErrorOf([&] { store.Load("a@2"); }), HasSubstr("no revision '2'"));
 }
 
 TEST_P(StoreContract, GivesRevisionsUp) {
@@ -435,6 +481,24 @@ TEST_P(StoreContract, KnowsPlacesByPictures) {
   EXPECT_THAT(places.unknown, IsEmpty());
   EXPECT_NEAR(static_cast<double>(places.by_picture[0][0].keyframe.value()), static_cast<double>(keyframe.id.value()),
               8);
+}
+
+TEST_P(StoreContract, OfBranchesOneIsLookedAtFirst) {
+  const Atlas atlas = ReadOsa(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
+  const KeyFrame& keyframe = atlas.maps[0].keyframes[3];
+  const std::vector<Descriptor> picture(keyframe.features.descriptors.begin(), keyframe.features.descriptors.end());
+  const std::span<const Descriptor> pictures[] = {picture};
+  const auto atlases = [&](std::size_t places) {
+    const StoredPlaces found = Store::Open(path_).PlacesLike(pictures, {.places = places, .of_map = 1, .faint = true});
+    std::set<std::string> names;
+    for (const StoredPlace& place : found.by_picture[0]) names.insert(place.atlas);
+    return names;
+  };
+  Save(ReadOsa(SLAMDB_FIXTURES "/session_small_b/session_small_b.osa"), "there");
+  for (const char* name : {"robot3", "robot1", "robot2"}) Save(atlas, name);
+  EXPECT_THAT(atlases(1), ElementsAre("robot1")) << "of what is the same the first by name, whoever was saved first";
+  EXPECT_THAT(atlases(2), ElementsAre("robot1", "there"));
+  EXPECT_THAT(atlases(4), ElementsAre("robot1", "robot2", "robot3", "there"));
 }
 
 TEST_P(StoreContract, OfTwoWhoSaveOneAtlasOneWaits) {

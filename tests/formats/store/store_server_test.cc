@@ -148,6 +148,7 @@ TEST_F(StoreOnServer, RowsThatSomebodyEditedAreSeenAndWrittenAnew) {
            {"keyframe_features", "DELETE FROM slamdb.picture"},
            {"map", "UPDATE slamdb.map SET inertial = 9 WHERE until = 2147483647"},
            {"revision", "DELETE FROM slamdb.map_point WHERE until = 2147483647 AND row % 7 = 0"},
+           {"revision", "DELETE FROM slamdb.map WHERE until = 2147483647"},
            {"camera", "UPDATE slamdb.camera SET parameters = '[1,2,oops]', exact = NULL WHERE until = 2147483647"},
            {"camera", "UPDATE slamdb.camera SET id = id + 1 WHERE until = 2147483647"},
            {"revision", "UPDATE slamdb.revision SET next_map = 4711"}}) {
@@ -160,6 +161,21 @@ TEST_F(StoreOnServer, RowsThatSomebodyEditedAreSeenAndWrittenAnew) {
 }
 
 // Its row tells lists of an atlas; what is the newest tell the revisions.
+// An index holds extents against each other when it has many: differences of some are no numbers.
+TEST_F(StoreOnServer, MapsOfAnyTimesAndPlacesAreFound) {
+  Atlas atlas = SynthesizeAtlas({.maps = 300, .keyframes = 2, .points = 10, .features = 60});
+  constexpr double kOdd[] = {5e-324, -5e-324, 1e-310, -1, 0, 1.7e308, -1.7e308};
+  for (std::size_t i = 0; i < atlas.maps.size(); ++i) {
+    Map& map = atlas.maps[i];
+    for (KeyFrame& keyframe : map.keyframes) keyframe.timestamp += 1e9 + 1e6 * static_cast<double>(i * i % 997);
+    if (i % 10 == 0) map.keyframes[0].timestamp = kOdd[i / 10 % std::size(kOdd)];
+    if (i % 7 == 0) map.points[0].position = {1e-45F, -3e38F, 3e38F};
+  }
+  Store::OpenForWriting(uri_, {.sync = false}).Save("odd", atlas);
+  EXPECT_EQ(FirstDifference(Store::Open(uri_).Load("odd"), atlas), "");
+  EXPECT_THAT(Store::Open(uri_).Find(MapQuery{.times = MapQuery::Times{-2, 1}}), ElementsAre("odd"));
+}
+
 TEST_F(StoreOnServer, AnEditedRowOfTheAtlasMisleadsNeitherLoadsNorSaves) {
   Store::OpenForWriting(uri_).Save("a", second_);
   for (const char* edit : {"UPDATE slamdb.atlas SET revision = 1", "UPDATE slamdb.atlas SET revision = 2147483647",

@@ -16,6 +16,7 @@
 #include "slamdb/edit/ids/detail/references.h"
 #include "slamdb/edit/merge/detail/branch_points.h"
 #include "slamdb/edit/merge/detail/same_camera.h"
+#include "slamdb/edit/merge/three_way.h"
 
 namespace slamdb::detail {
 namespace {
@@ -436,3 +437,8 @@ UnifiedIds UnifyIds(Branches& branches, const std::array<std::string, 3>& names,
 }
 
 }  // namespace slamdb::detail
+
+std::size_t slamdb::CountMissingKeyframes(const Atlas& base, const Atlas& side, int threads) {
+  const auto images = detail::ImagesOf(base, threads);
+  return images.size() - detail::MatchImages(images, detail::ImagesOf(side, threads)).size();
+}

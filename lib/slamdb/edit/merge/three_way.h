@@ -149,6 +149,9 @@ struct ThreeWayResult {
 [[nodiscard]] SLAMDB_EXPORT ThreeWayResult MergeThreeWays(Atlas base, Atlas ours, Atlas theirs,
                                                           const ThreeWayOptions& options = {});
 
+// How many keyframes of the base a side does not have, each known by its image, whatever its id.
+[[nodiscard]] SLAMDB_EXPORT std::size_t CountMissingKeyframes(const Atlas& base, const Atlas& side, int threads = 0);
+
 // What there is to know besides: warnings, and losses by name.
 SLAMDB_EXPORT void TellWarnings(const ThreeWayReport& report, Notices& notices);
 

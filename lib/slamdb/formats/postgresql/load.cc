@@ -33,10 +33,8 @@ Atlas Loader::Run() {
   LoadMaps();
   LoadRepeated();
   LoadKeyframes();
-  if (base_ != nullptr || (is_remote_ && options_.features != FeatureColumns::kNone))
-    LoadFeaturesInBatches();
-  else if (options_.features != FeatureColumns::kNone)
-    LoadFeatures();
+  const bool in_batches = base_ != nullptr || is_remote_ || selection_.has_keyframe_range();
+  if (options_.features != FeatureColumns::kNone) in_batches ? LoadFeaturesInBatches() : LoadFeatures();
   LoadPoints();
   LoadLandmarks();
   SortLists();

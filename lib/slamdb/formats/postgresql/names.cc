@@ -186,17 +186,17 @@ std::optional<RevisionName> CommonBase(Connection& connection, const Named& firs
       "WITH RECURSIVE family (name) AS (SELECT $1::text UNION SELECT $2::text UNION SELECT from_atlas FROM family JOIN "
       "atlas USING (name) JOIN revision ON revision.atlas = atlas.row WHERE from_atlas IS NOT NULL) SELECT name, "
       "number, "
-      "revision.hash, from_atlas, from_number, from_hash FROM family JOIN atlas USING (name) JOIN revision ON "
+      "revision.hash, history, from_atlas, from_number, from_hash FROM family JOIN atlas USING (name) JOIN revision ON "
       "revision.atlas = atlas.row ORDER BY name, number",
       {first.name, second.name}, "table revision");
   std::vector<rows::RevisionOf> all;
   for (std::size_t i = 0; i < found.rows(); ++i) {
     const Row row = found[i];
     rows::RevisionOf& each = all.emplace_back();
-    each = {std::string(row.Text(0)), row.Integer(1), row.Integer(2), std::nullopt};
-    if (!row.IsNull(3))
-      each.from = RevisionName{std::string(row.Text(3)), static_cast<std::uint64_t>(row.Integer(4)),
-                               static_cast<std::uint64_t>(row.Integer(5))};
+    each = {std::string(row.Text(0)), row.Integer(1), row.Integer(2), row.Integer(3), std::nullopt};
+    if (!row.IsNull(4))
+      each.from = RevisionName{std::string(row.Text(4)), static_cast<std::uint64_t>(row.Integer(5)),
+                               static_cast<std::uint64_t>(row.Integer(6))};
   }
   return rows::CommonBase(all, first, second);
 }
@@ -218,18 +218,21 @@ void RemoveTag(Connection& connection, const Named& named, const std::string& ta
     throw rows::NoSuchTag(connection.path(), named.name, tag, TagsOf(connection, named.atlas));
 }
 
-GivenUp PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptions& options) {
-  const std::vector<std::int64_t> kept = KeptOf(connection, atlas, options);
-  std::vector<std::int64_t> gone;
+// Tells what goes. Returns what stays; nothing where all does.
+std::vector<std::int64_t> PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptions& options,
+                                     GiveUpReport& report) {
+  std::vector<std::int64_t> gone, kept = KeptOf(connection, atlas, options);
   std::ranges::set_difference(NumbersOf(connection, atlas.atlas), kept, std::back_inserter(gone));
-  return {atlas.name, {gone.begin(), gone.end()}, kept.size()};
+  report.atlases.push_back({atlas.name, {gone.begin(), gone.end()}, kept.size()});
+  if (gone.empty()) kept.clear();
+  return kept;
 }
 
 void TellGiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, GiveUpReport& report) {
   const Named atlas = Find(connection, name);
-  const GivenUp& plan = report.atlases.emplace_back(PlanGiveUp(connection, atlas, options));
-  if (plan.revisions.empty() || plan.kept == 0) return;
-  const GivenUpRows rows = CountAllBut(connection, atlas.atlas, KeptOf(connection, atlas, options));
+  const std::vector<std::int64_t> kept = PlanGiveUp(connection, atlas, options, report);
+  if (kept.empty()) return;
+  const GivenUpRows rows = CountAllBut(connection, atlas.atlas, kept);
   report.pictures += rows.pictures;
   report.bytes += rows.bytes;
 }
@@ -238,9 +241,8 @@ void GiveUp(Connection& connection, const std::string& name, const GiveUpOptions
             GiveUpReport& report) {
   LockAtlas(connection, name, lock);
   const Named atlas = Find(connection, name);
-  const GivenUp& plan = report.atlases.emplace_back(PlanGiveUp(connection, atlas, options));
-  if (plan.revisions.empty() || plan.kept == 0) return;
-  const std::vector<std::int64_t> kept = KeptOf(connection, atlas, options);
+  const std::vector<std::int64_t> kept = PlanGiveUp(connection, atlas, options, report);
+  if (kept.empty()) return;
   DeleteRevisionsBut(connection, atlas.atlas, kept);
   if (HoldPartition(connection, atlas.atlas, lock).is_remote) return;
   const GivenUpRows deleted = DeleteAllBut(connection, atlas.atlas, kept);

@@ -114,8 +114,8 @@ void LockPartition(Connection& connection, std::int64_t number, const LockOption
 }
 
 std::uint64_t UndoUnfinished(Connection& connection, const Partition& partition, std::int64_t atlas,
-                             std::int64_t newest) {
-  if (!partition.is_remote || !IsUnfinished(connection, partition, atlas, newest)) return 0;
+                             std::int64_t newest, bool is_edited) {
+  if (!is_edited && (!partition.is_remote || !IsUnfinished(connection, partition, atlas, newest))) return 0;
   std::int64_t rows = 0;
   for (const Versioned& each : VersionedTables()) {
     const std::string place = Concat("table ", each.table);

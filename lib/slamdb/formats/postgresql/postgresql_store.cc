@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <map>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/run_files.h"

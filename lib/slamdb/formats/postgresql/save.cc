@@ -137,7 +137,8 @@ void AddRevision(SaveContext& context, const Atlas& atlas, std::int64_t hash, st
             row);
 }
 
-void SaveWordsAlone(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
+void SaveWordsAlone(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes, const LockOptions& lock) {
+  context.partition = HoldPartition(context.connection, context.atlas, lock);
   std::vector<std::int64_t> numbers;
   for (const rows::StoredMap& map : ReadStoredMaps(context)) numbers.push_back(map.row);
   if (numbers.size() != atlas.maps.size()) return;
@@ -213,12 +214,12 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const std:
   if (report.unchanged) {
     context.revision = head.revision;
     rows::CountUnchanged(atlas, context.changes);
-    if (!HasAllWords(context, atlas)) SaveWordsAlone(context, atlas, hashes);
+    if (!HasAllWords(context, atlas)) SaveWordsAlone(context, atlas, hashes, lock);
   } else {
     SaveAtlasRow(context, name, hash, summary);
     ++(context.is_new ? context.changes["atlas"].inserted : context.changes["atlas"].updated);
     context.partition = HoldPartition(connection, context.atlas, lock);
-    UndoUnfinished(connection, context.partition, context.atlas, head.revision);
+    UndoUnfinished(connection, context.partition, context.atlas, head.revision, rewrite);
     SaveContent(context, atlas, hashes);
     WriteBytes(connection, context.atlas, context.partition);
   }

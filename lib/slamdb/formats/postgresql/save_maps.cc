@@ -21,6 +21,8 @@ namespace {
 
 // ---- cameras and irregular entries
 
+constexpr std::int64_t kLargestMap = 0x7fffffff;
+
 // The newest revision's.
 struct StoredSmall {
   std::vector<std::int64_t> cameras;  // hashes
@@ -103,13 +105,15 @@ void SaveRepeated(SaveContext& context, const Atlas& atlas, const std::vector<st
 
 // ---- maps
 
-void RemoveMap(SaveContext& context, std::int64_t map) {
+// Those from one row to another, of which there are `maps`.
+void RemoveMaps(SaveContext& context, std::int64_t first, std::int64_t last, std::size_t maps) {
   const auto end = [&](std::string_view table, std::string_view key, std::string_view more = "0") {
     const Result ended = context.connection.Query(
         Concat("WITH ended AS (UPDATE ", table, " SET until = $2 WHERE atlas = $1 AND until = 2147483647 AND ", key,
                " BETWEEN $3 AND $4 RETURNING ", more,
                " AS more) SELECT count(*), coalesce(sum(more), 0)::bigint FROM ended"),
-        {context.atlas, context.revision, rows::FirstRowOfMap(map), rows::LastRowOfMap(map)}, Concat("table ", table));
+        {context.atlas, context.revision, rows::FirstRowOfMap(first), rows::LastRowOfMap(last)},
+        Concat("table ", table));
     context.changes[std::string(table)].deleted += static_cast<std::uint64_t>(ended[0].Integer(0));
     return std::pair(static_cast<std::uint64_t>(ended[0].Integer(0)), static_cast<std::uint64_t>(ended[0].Integer(1)));
   };
@@ -119,8 +123,11 @@ void RemoveMap(SaveContext& context, std::int64_t map) {
   context.map.points_removed += points;
   context.map.observations_removed += seen;
   end("landmark", "row");
-  EndRows(context, "map", {map});
-  ++context.changes["map"].deleted;
+  const Result ended = context.connection.Query(
+      "UPDATE map SET until = $2 WHERE atlas = $1 AND until = 2147483647 AND row BETWEEN $3 AND $4",
+      {context.atlas, context.revision, first, last}, "table map");
+  RequireTaken(context.connection, "map", ended.changed(), static_cast<std::int64_t>(maps));
+  context.changes["map"].deleted += maps;
 }
 
 // Of keyframes that have a time.
@@ -221,20 +228,22 @@ MatchedMaps MatchMaps(SaveContext& context, const Atlas& atlas) {
   MatchedMaps matched{std::vector<rows::StoredMap>(atlas.maps.size()), std::vector<StoredLists>(atlas.maps.size())};
   if (context.is_new) return matched;
   std::vector<rows::StoredMap> stored = ReadStoredMaps(context);
-  if (!context.rewrites) {
-    std::vector<std::int64_t> numbers;
-    for (const rows::StoredMap& map : stored) numbers.push_back(map.row);
-    std::vector<StoredLists> lists = ReadStoredLists(context, numbers);
-    for (std::size_t i = 0; i < stored.size(); ++i) stored[i].keys = KeysOf(lists[i]);
-    const std::vector<const rows::StoredMap*> match = rows::MatchMaps(atlas, stored);
-    for (std::size_t i = 0; i < match.size(); ++i) {
-      if (match[i] == nullptr) continue;
-      matched.maps[i] = *match[i];
-      matched.lists[i] = std::move(lists[static_cast<std::size_t>(match[i] - stored.data())]);
-    }
+  if (context.rewrites) {  // also what has no map any more
+    RemoveMaps(context, 0, kLargestMap, stored.size());
+    return matched;
+  }
+  std::vector<std::int64_t> numbers;
+  for (const rows::StoredMap& map : stored) numbers.push_back(map.row);
+  std::vector<StoredLists> lists = ReadStoredLists(context, numbers);
+  for (std::size_t i = 0; i < stored.size(); ++i) stored[i].keys = KeysOf(lists[i]);
+  const std::vector<const rows::StoredMap*> match = rows::MatchMaps(atlas, stored);
+  for (std::size_t i = 0; i < match.size(); ++i) {
+    if (match[i] == nullptr) continue;
+    matched.maps[i] = *match[i];
+    matched.lists[i] = std::move(lists[static_cast<std::size_t>(match[i] - stored.data())]);
   }
   for (const rows::StoredMap& map : stored)
-    if (!map.used) RemoveMap(context, map.row);
+    if (!map.used) RemoveMaps(context, map.row, map.row, 1);
   return matched;
 }
 
@@ -259,7 +268,7 @@ std::vector<std::int64_t> NumbersOfMaps(SaveContext& context, const std::vector<
     next += context.connection.Integer("SELECT max(row) FROM map WHERE atlas = $1", {context.atlas});
   std::vector<std::int64_t> numbers;
   for (const rows::StoredMap& map : matched) numbers.push_back(map.row != 0 ? map.row : next++);
-  if (next > 0x7fffffff)
+  if (next > kLargestMap)
     throw Error(ErrorKind::kNotPossible, context.connection.path(), "table map", "no more row numbers");
   return numbers;
 }

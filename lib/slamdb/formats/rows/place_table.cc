@@ -7,8 +7,12 @@
 #include <functional>
 #include <numeric>
 #include <set>
+#include <tuple>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
+#include "slamdb/base/detail/hash.h"
 #include "slamdb/base/detail/parallel.h"
 
 namespace slamdb::rows {
@@ -130,21 +134,35 @@ class PlaceTable {
     return votes;
   }
 
+  // Of branches of one map the same picture is looked at once, as long as there are other places.
   std::vector<Vote> BestOf(const std::vector<float>& votes, const PlaceOptions& options) const {
     std::vector<Vote> order, best;
     for (std::size_t i = 0; i < votes.size(); ++i)
       if (votes[i] > 0) order.push_back({i, static_cast<double>(votes[i])});
     std::ranges::stable_sort(order, std::greater(), &Vote::likeness);
     std::map<std::int64_t, std::size_t> of_map;
+    const auto take = [&](const Vote& vote) {
+      const auto known = of_map.find(keyframes_[vote.keyframe].map);
+      if (known == of_map.end() ? best.size() >= options.places : known->second >= options.of_map) return;
+      if (std::ranges::any_of(best, [&](const Vote& other) { return IsNear(vote.keyframe, other.keyframe); })) return;
+      ++of_map[keyframes_[vote.keyframe].map];
+      best.push_back(vote);
+    };
+    std::vector<Vote> copies;
+    std::unordered_set<std::uint64_t> seen;  // hashes of words
     for (const Vote& vote : order) {
       if (!options.faint && vote.likeness < kChance && vote.likeness < kFaint * order.front().likeness) break;
-      const std::int64_t map = keyframes_[vote.keyframe].map;
-      const auto known = of_map.find(map);
-      if (known == of_map.end() ? best.size() >= options.places : known->second >= options.of_map) continue;
-      if (std::ranges::any_of(best, [&](const Vote& other) { return IsNear(vote.keyframe, other.keyframe); })) continue;
-      ++of_map[map];
-      best.push_back(vote);
+      const PlaceKeyframe& keyframe = keyframes_[vote.keyframe];
+      const bool is_new = seen.insert(detail::HashBytes(std::as_bytes(std::span(keyframe.words)))).second;
+      if (is_new || of_map.contains(keyframe.map))
+        take(vote);
+      else
+        copies.push_back(vote);
     }
+    std::ranges::for_each(copies, take);
+    std::ranges::sort(best, [](const Vote& a, const Vote& b) {
+      return a.likeness != b.likeness ? a.likeness > b.likeness : a.keyframe < b.keyframe;
+    });
     return best;
   }
 
@@ -168,13 +186,33 @@ std::vector<std::string> UnknownIn(const std::map<std::int64_t, PlaceMap>& maps,
   return {names.begin(), names.end()};
 }
 
+// Numbers maps by their names, so that of what is equally like the same comes first in every store.
+std::map<std::int64_t, PlaceMap> NumberByName(const std::map<std::int64_t, PlaceMap>& stored,
+                                              std::vector<PlaceKeyframe>& keyframes) {
+  std::vector<std::int64_t> order;
+  for (const auto& [key, map] : stored) order.push_back(key);
+  std::ranges::stable_sort(order, [&](std::int64_t a, std::int64_t b) {
+    const PlaceMap &one = stored.at(a), &other = stored.at(b);
+    return std::tie(one.atlas, one.id) < std::tie(other.atlas, other.id);
+  });
+  std::map<std::int64_t, PlaceMap> numbered;
+  std::unordered_map<std::int64_t, std::int64_t> numbers;
+  for (const std::int64_t key : order) {
+    numbers[key] = static_cast<std::int64_t>(numbered.size());
+    numbered[numbers[key]] = stored.at(key);
+  }
+  for (PlaceKeyframe& keyframe : keyframes) keyframe.map = numbers.at(keyframe.map);
+  return numbered;
+}
+
 }  // namespace
 
-StoredPlaces FindPlaces(const std::map<std::int64_t, PlaceMap>& maps, std::vector<PlaceKeyframe> keyframes,
+StoredPlaces FindPlaces(const std::map<std::int64_t, PlaceMap>& stored, std::vector<PlaceKeyframe> keyframes,
                         std::span<const PlaceWords> others, std::span<const PlaceWords> pictures,
                         const PlaceOptions& options) {
   const std::set<std::string> without(options.without.begin(), options.without.end());
-  std::erase_if(keyframes, [&](const PlaceKeyframe& keyframe) { return !maps.contains(keyframe.map); });
+  std::erase_if(keyframes, [&](const PlaceKeyframe& keyframe) { return !stored.contains(keyframe.map); });
+  const std::map<std::int64_t, PlaceMap> maps = NumberByName(stored, keyframes);
   StoredPlaces places{.by_picture = std::vector<std::vector<StoredPlace>>(pictures.size()),
                       .unknown = UnknownIn(maps, keyframes, without)};
   for (PlaceKeyframe& keyframe : keyframes)

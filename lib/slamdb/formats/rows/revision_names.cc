@@ -160,79 +160,79 @@ std::vector<std::int64_t> KeptOf(const std::vector<KeptRevision>& all, const Giv
 
 namespace {
 
-struct Ancestor {
-  std::string atlas;
-  std::int64_t number = 0, hash = 0;
-  auto operator<=>(const Ancestor&) const = default;
-};
-
-// Which revisions those of a store were made of.
+// Which contents those of a store were made of. Revisions of one content, of one atlas or of several, are one: as they
+// come of a restore, of a copy, or of a store that another one was synchronized with.
 class Ancestry {
  public:
   explicit Ancestry(const std::vector<RevisionOf>& all) {
-    for (const RevisionOf& each : all) of_[each.atlas].push_back(&each);
+    const RevisionOf* before = nullptr;
+    for (const RevisionOf& each : all) {
+      const bool is_next = before != nullptr && before->atlas == each.atlas;
+      by_number_[{each.atlas, each.number}] = each.hash;
+      const auto [node, is_new] = nodes_.try_emplace(each.hash);
+      if (is_new || each.history < node->second.first->history)
+        node->second = {&each, is_next ? std::optional(before->hash) : std::nullopt};
+      before = &each;
+    }
   }
 
-  // The revision itself and all that it was made of, nearest first.
-  std::vector<Ancestor> Of(const Named& named) const {
-    std::vector<Ancestor> all;
-    std::set<Ancestor> seen;
-    std::deque<Ancestor> waiting;
-    if (std::optional<Ancestor> self = Find(named.name, named.number)) waiting.push_back(std::move(*self));
+  // The content of a revision and all that it was made of, nearest first.
+  std::vector<std::int64_t> Of(const Named& named) const {
+    std::vector<std::int64_t> all;
+    std::set<std::int64_t> seen;
+    std::deque<std::int64_t> waiting;
+    const auto self = by_number_.find({named.name, named.number});
+    if (self != by_number_.end()) waiting.push_back(self->second);
     while (!waiting.empty()) {
-      Ancestor next = std::move(waiting.front());
+      const std::int64_t next = waiting.front();
       waiting.pop_front();
       if (!seen.insert(next).second) continue;
       std::ranges::copy(ParentsOf(next), std::back_inserter(waiting));
-      all.push_back(std::move(next));
+      all.push_back(next);
     }
     return all;
   }
-  std::vector<Ancestor> ParentsOf(const Ancestor& of) const {
-    std::vector<Ancestor> parents;
-    const auto add = [&](std::optional<Ancestor> parent) {
-      if (parent) parents.push_back(std::move(*parent));
-    };
-    const std::vector<const RevisionOf*>& all = of_.at(of.atlas);
-    const auto at = std::ranges::find(all, of.number, &RevisionOf::number);
-    if (at != all.begin()) add(Find(of.atlas, (*(at - 1))->number));
-    if (const auto& from = (*at)->from)
-      add(Find(from->atlas, static_cast<std::int64_t>(from->number), static_cast<std::int64_t>(from->hash)));
+  // As the first revision with that content was made.
+  std::vector<std::int64_t> ParentsOf(std::int64_t content) const {
+    const Node& node = nodes_.at(content);
+    std::vector<std::int64_t> parents;
+    if (node.before) parents.push_back(*node.before);
+    if (const auto& from = node.first->from) {
+      const auto hash = static_cast<std::int64_t>(from->hash);
+      if (nodes_.contains(hash) && hash != content) parents.push_back(hash);
+    }
     return parents;
+  }
+  RevisionName NameOf(std::int64_t content) const {
+    const RevisionOf& first = *nodes_.at(content).first;
+    return {first.atlas, static_cast<std::uint64_t>(first.number), static_cast<std::uint64_t>(first.hash)};
   }
 
  private:
-  // The first of its atlas with that content. Nothing when it cannot be read any more, or another atlas has the name by
-  // now.
-  std::optional<Ancestor> Find(const std::string& atlas, std::int64_t number,
-                               std::optional<std::int64_t> hash = {}) const {
-    const auto of = of_.find(atlas);
-    if (of == of_.end()) return std::nullopt;
-    const auto asked = std::ranges::find(of->second, number, &RevisionOf::number);
-    if (asked == of->second.end() || (hash && *hash != (*asked)->hash)) return std::nullopt;
-    const auto first = std::ranges::find(of->second, (*asked)->hash, &RevisionOf::hash);
-    return Ancestor{atlas, (*first)->number, (*first)->hash};
-  }
-
-  std::map<std::string, std::vector<const RevisionOf*>> of_;  // ascending numbers
+  struct Node {
+    const RevisionOf* first = nullptr;
+    std::optional<std::int64_t> before;  // the content of its atlas before
+  };
+  std::map<std::pair<std::string, std::int64_t>, std::int64_t> by_number_;
+  std::map<std::int64_t, Node> nodes_;  // by content
 };
 
 }  // namespace
 
 std::optional<RevisionName> CommonBase(const std::vector<RevisionOf>& all, const Named& first, const Named& second) {
   const Ancestry ancestry(all);
-  const std::vector<Ancestor> others = ancestry.Of(second);
-  const std::set<Ancestor> of_second(others.begin(), others.end());
-  std::vector<Ancestor> common;
-  for (const Ancestor& each : ancestry.Of(first))
+  const std::vector<std::int64_t> others = ancestry.Of(second);
+  const std::set<std::int64_t> of_second(others.begin(), others.end());
+  std::vector<std::int64_t> common;
+  for (const std::int64_t each : ancestry.Of(first))
     if (of_second.contains(each)) common.push_back(each);
+  if (common.empty()) return std::nullopt;
   // What a common one was made of is common, too, and lies behind it.
-  std::set<Ancestor> behind;
-  for (const Ancestor& each : common) std::ranges::copy(ancestry.ParentsOf(each), std::inserter(behind, behind.end()));
-  for (const Ancestor& each : common)
-    if (!behind.contains(each))
-      return RevisionName{each.atlas, static_cast<std::uint64_t>(each.number), static_cast<std::uint64_t>(each.hash)};
-  return std::nullopt;
+  std::set<std::int64_t> behind;
+  for (const std::int64_t each : common)
+    std::ranges::copy(ancestry.ParentsOf(each), std::inserter(behind, behind.end()));
+  const auto base = std::ranges::find_if(common, [&](std::int64_t each) { return !behind.contains(each); });
+  return ancestry.NameOf(base == common.end() ? common.front() : *base);
 }
 
 }  // namespace slamdb::rows

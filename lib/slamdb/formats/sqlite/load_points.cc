@@ -44,7 +44,7 @@ class ObservationReader {
 
  private:
   Statement rows_;
-  std::vector<std::int64_t> points_;  // of each of the
+  std::vector<std::int64_t> points_;  // of each of them
   std::vector<Observation> observations_;
   std::size_t next_ = 0;
 };

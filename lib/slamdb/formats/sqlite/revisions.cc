@@ -266,17 +266,18 @@ GiveUpReport GiveUp(Database& database, const std::string& atlas, const GiveUpOp
 }
 
 std::optional<RevisionName> FindBase(Database& database, const Named& first, const Named& second) {
-  Statement select(database,
-                   "SELECT name, number, history.hash, from_atlas, from_number, from_hash FROM revision JOIN atlas ON "
-                   "atlas.row = revision.atlas JOIN history ON history.row = history ORDER BY name, number",
-                   "table revision");
+  Statement select(
+      database,
+      "SELECT name, number, history.hash, history, from_atlas, from_number, from_hash FROM revision JOIN atlas ON "
+      "atlas.row = revision.atlas JOIN history ON history.row = history ORDER BY name, number",
+      "table revision");
   std::vector<rows::RevisionOf> all;
   while (select.Step()) {
     rows::RevisionOf& each = all.emplace_back();
-    each = {select.Text(0), select.Integer(1), select.Integer(2), std::nullopt};
-    if (!select.IsNull(3))
-      each.from = RevisionName{select.Text(3), static_cast<std::uint64_t>(select.Integer(4)),
-                               static_cast<std::uint64_t>(select.Integer(5))};
+    each = {select.Text(0), select.Integer(1), select.Integer(2), select.Integer(3), std::nullopt};
+    if (!select.IsNull(4))
+      each.from = RevisionName{select.Text(4), static_cast<std::uint64_t>(select.Integer(5)),
+                               static_cast<std::uint64_t>(select.Integer(6))};
   }
   return rows::CommonBase(all, first, second);
 }

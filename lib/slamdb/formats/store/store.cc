@@ -131,6 +131,11 @@ void Store::Untag(const std::string& name, const std::string& tag) {
 
 GiveUpReport Store::GiveUp(const GiveUpOptions& options, const std::string& name) {
   backend_->CheckWritable();
+  if (!name.empty())
+    if (const rows::Named named = backend_->FindNamed(name); named.name != name)
+      throw Error(ErrorKind::kUsage, path(), "",
+                  detail::Concat("'", name, "' is one revision, and those of an atlas are given up as ", path(), "#",
+                                 named.name));
   return backend_->GiveUp(options, name);
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -105,7 +104,8 @@ class SLAMDB_EXPORT Store {
   // kLocked when another program writes longer than `lock_timeout`, or removed the file.
   SaveReport Save(const std::string& name, const Atlas& atlas, const SaveOptions& options = {});
 
-  // Loads all or the selected part of NAME, or of a revision (NAME@3, revisions.h); the rest is not read.
+  // Loads all or the selected part of NAME, or of a revision (NAME@3, revisions.h); the rest is not read, but rows
+  // of a server without their pictures.
   // Every row is compared with its hash, a whole atlas also with the atlas' hash.
   //
   // Cost: an earlier revision takes what the newest takes, and about as much again for what was changed since.

@@ -53,8 +53,8 @@ void Write(const Atlas& atlas, const Target& target, const WriteOptions& options
   EnterOutput(target.path, "");  // as a store, before it is made; which of its atlases is seen when that is known
   Store store = Store::OpenForWriting(
       target.path, {.sync = options.sync, .lock_timeout = how.lock_timeout, .progress = options.progress});
-  const std::vector<std::string> stored = store.Names();
-  if (target.name.empty() && !stored.empty() && !options.overwrite)
+  const std::vector<std::string> stored = target.name.empty() ? store.Names() : std::vector<std::string>();
+  if (!stored.empty() && !options.overwrite)
     throw Error(ErrorKind::kAlreadyExists, target.path, "",
                 "holds atlases already; name the new one, as " + target.path + "#NAME");
   std::string name = target.name;

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -63,5 +62,8 @@ class Contents {
   const double lock_timeout_;
   std::map<std::string, std::map<std::string, std::uint64_t>> stores_;  // hashes by name, by path
 };
+
+// Whether it is that of the atlas that was read: somebody may have saved another one since the content was asked for.
+bool IsContent(const std::string& content, const AtlasInput& input, const Atlas& atlas, int threads);
 
 }  // namespace slamdb::detail

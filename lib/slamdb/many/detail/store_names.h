@@ -14,7 +14,7 @@ namespace slamdb::detail {
 struct StoreName {
   std::string name;
   bool with_folder = false;          // because others would be called the same without
-  std::vector<std::string> derived;  // what it would be called if other inputs were there, see DerivedNamesIn
+  std::vector<std::string> derived;  // what it would be called if other inputs were there
 };
 
 // What each input is to be called, as the options have it: no two the same, but inputs of one path. Whom no folder

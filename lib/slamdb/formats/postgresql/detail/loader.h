@@ -92,8 +92,8 @@ class Loader {
   class Due;
   struct Missing;
   void LoadFeatures();
-  // Some keyframes a question: only those that the base does not have, or from another server, which would be asked for
-  // each picture by itself.
+  // Some keyframes a question: only those that are selected, or that the base does not have; or from another server,
+  // which would be asked for each picture by itself.
   void LoadFeaturesInBatches();
   std::vector<Missing> FindMissing();
   std::map<Uuid, const KeyFrame*> PicturesOfBase(const std::vector<Missing>& missing) const;

@@ -16,7 +16,7 @@ namespace slamdb::postgresql {
 
 using rows::Named;
 
-// The newest revision under a name; number and hash 0: the atlas has none.
+// The newest revision under a name; revision and hash 0: the atlas has none.
 struct StoredHead {
   std::int64_t atlas = 0, revision = 0, hash = 0;
 };

@@ -41,10 +41,11 @@ Partition HoldPartition(Connection& connection, std::int64_t atlas, const LockOp
 // Keeps all others who hold it out, until the transaction ends. Throws Error (kLocked) likewise.
 void LockPartition(Connection& connection, std::int64_t number, const LockOptions& options);
 
-// Undoes what an earlier writer had committed on another server alone. `newest`: the atlas' newest revision, 0 when it
-// has none yet. To be called under the lock of the atlas, with the partition held. Returns how many rows that changed.
+// Undoes what an earlier writer had committed on another server alone, or where rows are edited, whatever is beyond the
+// newest revision. `newest`: of the atlas, 0 when it has none yet. To be called under the lock of the atlas, with the
+// partition held. Returns how many rows that changed.
 std::uint64_t UndoUnfinished(Connection& connection, const Partition& partition, std::int64_t atlas,
-                             std::int64_t newest);
+                             std::int64_t newest, bool is_edited = false);
 
 // Whether it says that another server than the one we are connected to does not answer.
 bool IsOfOtherServer(const Error& error);

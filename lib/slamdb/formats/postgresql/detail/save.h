@@ -92,7 +92,7 @@ std::vector<ListPlans> SaveLists(SaveContext& context, const std::vector<MapToSa
 void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans,
                bool all_places = false);
 bool HasAllWords(SaveContext& context, const Atlas& atlas);
-// That alone, of an atlas that is there as it is.
+// That alone, of an atlas that is there as it is. (save_lists.cc)
 void SaveWords(SaveContext& context, const std::vector<MapToSave>& maps);
 
 // Each of them, which SaveLists calls (save_keyframes.cc, save_features.cc, save_points.cc).

@@ -89,10 +89,11 @@ std::vector<std::int64_t> KeptOf(const std::vector<KeptRevision>& all, const Giv
 struct RevisionOf {
   std::string atlas;
   std::int64_t number = 0, hash = 0;
+  std::int64_t history = 0;          // when it came into the store: greater is later
   std::optional<RevisionName> from;  // besides the one before it
 };
 // The newest revision that both come from; `all`: of all atlases that may be asked for, by atlas and number.
-// A revision that is an earlier one of its atlas again, as after a restore, is that.
+// Revisions of one content are one, the one that came first.
 std::optional<RevisionName> CommonBase(const std::vector<RevisionOf>& all, const Named& first, const Named& second);
 
 }  // namespace slamdb::rows
