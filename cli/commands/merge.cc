@@ -276,10 +276,12 @@ void BindBranches(CLI::App& verb, MergeVerbOptions& options) {
                   "Where that is which both have: align, what both changed, weighed, the default; ours; "
                   "theirs; optimize, align and then the bundle adjusted")
       ->group(kGroup)
+      ->type_name("KIND")
       ->transform(OneOf(kBranchGeometries));
   verb.add_option("--prefer", options.prefer,
                   "Whose change stands where both changed the same: ours, the default, or theirs")
       ->group(kGroup)
+      ->type_name("KIND")
       ->transform(OneOf(kBranchSides));
 }
 
@@ -296,6 +298,7 @@ void BindJoin(CLI::App& verb, MergeVerbOptions& options) {
   verb.add_option("--optimize", options.tightening,
                   "What is moved then so that pictures of both fit: none; pose-graph, bends the map to the pairs of "
                   "keyframes that agree; seam, adjusts the bundle about these behind that, the default; full, of all")
+      ->type_name("KIND")
       ->transform(OneOf(kTightenings))
       ->needs(align)
       ->group(kGroup);

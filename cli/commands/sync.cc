@@ -128,6 +128,7 @@ Run AddSync(CLI::App& verb) {
   verb.add_option("--diverged", options->sync.branch_diverged,
                   "What to do where both went on from one revision: skip, leave both as they are, the default; branch, "
                   "save what the first has in the second as NAME-of-HOST, for 'slamdb merge'")
+      ->type_name("KIND")
       ->transform(OneOf(kDivergedWays));
   verb.add_flag("--dry-run", options->sync.dry_run, "Only tell what would be done");
   verb.add_option("--retry", options->sync.retries,
