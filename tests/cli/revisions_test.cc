@@ -93,13 +93,17 @@ TEST_F(Revisions, MergeRefusesWhatWouldLoseKeyframes) {
   ASSERT_EQ(RunSlamdb({"extract", At("lab@2"), At("lab"), "--keyframe", "0,1,2,3", "--overwrite"}).exit_code, 0);
   const ProcessResult doubtful = RunSlamdb({"merge", At("lab"), At("robot7")});
   EXPECT_EQ(doubtful.exit_code, 1);
-  EXPECT_THAT(doubtful.err, HasSubstr("lab lacks 4 of the 8 keyframes of lab@2"));
+  EXPECT_THAT(doubtful.err, HasSubstr("lab@3 lacks 4 of the 8 keyframes of lab@2"));
   EXPECT_EQ(RunSlamdb({"merge", At("lab"), At("robot7"), "--base", At("lab@2")}).exit_code, 0) << "when told so";
 
   const ProcessResult older = RunSlamdb({"merge", At("lab@2"), At("robot7")});
   EXPECT_EQ(older.exit_code, 2);
   EXPECT_THAT(older.err, HasSubstr("lab@2 is not the newest revision of lab"));
-  ASSERT_EQ(RunSlamdb({"convert", osa_, At("stranger")}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"convert", osa_, At("copy")}).exit_code, 0);
+  EXPECT_THAT(RunSlamdb({"merge", At("robot7"), At("copy"), "--dry-run"}).err, HasSubstr("both come from lab@1"))
+      << "the same content is the same base, whoever saved it";
+  ASSERT_EQ(RunSlamdb({"synthesize", At("stranger"), "--keyframes", "8", "--points", "200", "--seed", "4"}).exit_code,
+            0);
   const ProcessResult baseless = RunSlamdb({"merge", At("lab"), At("stranger")});
   EXPECT_EQ(baseless.exit_code, 2);
   EXPECT_THAT(baseless.err, HasSubstr("knows nothing that lab and stranger both come from"));
