@@ -31,7 +31,7 @@ struct ViewVerbOptions {
   InputOptions inputs;
   SelectionOptions selection;
   ViewOptions page;
-  std::string output;
+  std::string output, findings;
   bool overwrite = false, open = false, serve = false, side_by_side = false, no_check = false, json = false;
   std::uint16_t port = 0;
   double wait = kUsualWait;
@@ -71,6 +71,27 @@ ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& no
     result.inputs.push_back(ViewInputOf(result.atlases.back(), path, format, InCommandWords));
   }
   return result;
+}
+
+// What a report found is shown; of another atlas it is told to be.
+void TakeFindings(const ViewVerbOptions& options, ViewInput& input, Notices& notices) {
+  input.findings = ReadFindings(options.findings, options.inputs.paths.front());
+  const AtlasIndex index(*input.atlas);
+  const auto is_known = [&](const Place& place) {
+    return (!place.map || index.MapRow(place.map) != kNoRow) &&
+           (!place.keyframe || index.LocateKeyFrame(place.keyframe)) &&
+           (!place.point || index.LocatePoint(place.point));
+  };
+  std::uint64_t strange = 0, all = 0;
+  for (const RuleResult& result : input.findings)
+    for (const Finding& finding : result.findings) {
+      strange += is_known(finding.place) ? 0 : 1;
+      ++all;
+    }
+  if (strange > 0 && options.selection.everything())
+    notices.Warn(Grouped(strange) + " of " + Counted(all, "finding") + " of " + options.findings + " " +
+                 (strange == 1 ? "is" : "are") + " of what " + input.name +
+                 " does not have: is the report of another atlas?");
 }
 
 // Starts a program with one argument, without a shell.
@@ -159,13 +180,17 @@ ExitCode RunView(ViewVerbOptions options, Console& console) {
   RequireViewPage();
   if (options.page.diff && options.inputs.paths.size() != 2) RefuseUsage("--diff is of two atlases");
   const bool part = !options.selection.everything();
-  options.page.check = !options.no_check && !part;  // what was left out would be found missing
+  if (!options.findings.empty() && options.inputs.paths.size() != 1) RefuseUsage("--findings is of one atlas");
+  // What a part leaves out would be found missing.
+  options.page.check = !options.no_check && !part && options.findings.empty();
   const std::string output = OutputOf(options);
   std::optional<AtomicFile> file;  // before the work, so that what would fail at the end fails at once
   if (!output.empty()) file.emplace(output, AtomicFileOptions{.overwrite = options.overwrite});
   Notices notices;
   ReadInputs read = ReadAll(options, console, notices);
-  if (part && !options.no_check) notices.Note("findings are those of whole atlases, and not in the page of a part");
+  if (!options.findings.empty()) TakeFindings(options, read.inputs.front(), notices);
+  if (part && !options.no_check && options.findings.empty())
+    notices.Note("findings are those of whole atlases, and not in the page of a part");
   ViewPage page = MakeViewPage(read.inputs, PageOptions(options, console));
   for (const std::string& sentence : page.report.left_out) notices.Note("not in the page: " + sentence);
   console.Report(notices);
@@ -193,7 +218,14 @@ void AddPageOptions(CLI::App& verb, ViewVerbOptions& options) {
       ->default_str("auto")
       ->group(kGroup);
   verb.add_flag("--normals", options.page.normals, "With the normals of points")->group(kGroup);
-  verb.add_flag("--no-check", options.no_check, "Without what 'slamdb check' finds")->group(kGroup);
+  CLI::Option* no_check =
+      verb.add_flag("--no-check", options.no_check, "Without what 'slamdb check' finds")->group(kGroup);
+  verb.add_option("--findings", options.findings,
+                  "Show what this report found instead of checking: that of 'slamdb check --json', or the conflicts of "
+                  "'slamdb merge --base --json'")
+      ->type_name("FILE")
+      ->excludes(no_check)
+      ->group(kGroup);
   diff->group(kGroup);
 }
 
@@ -224,7 +256,7 @@ constexpr Example kExamples[] = {
     {"slamdb view lab.osa -o map.html --title 'The lab in May'", "With a name of your own. --open opens it."},
     {"slamdb view a.osa b.osa --side-by-side -o both.html", "Two maps beside each other."},
     {"slamdb view before.osa after.osa --diff -o diff.html", "What changed, in place."},
-    {"slamdb view lab.db#session_a --map 0 --keypoints none", "One map of an atlas in a store, small."},
+    {"slamdb view both.osa --findings merge.json -o both.html", "Conflicts of 'slamdb merge --base --json', in place."},
 };
 
 }  // namespace

@@ -7,6 +7,7 @@ scripts. Colours are those of the notebook, and plans have paper of their own, s
 
 import base64
 import html
+import json
 import os
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
@@ -15,10 +16,10 @@ from ._slamdb import Atlas, Map
 from .calls import Source, several
 from .errors import Error
 from .files import Box, Path, Progress, Range, told
+from .report import Report
 from .words import spelled
 
 if TYPE_CHECKING:
-    from .report import Report
     from .store import Store
 
 _MOST_ROWS = 30  # of a table
@@ -185,6 +186,7 @@ def view(
     side_by_side: bool = False,
     normals: bool = False,
     check: bool = True,
+    findings: Union[Path, Report, None] = None,
     diff: bool = False,
     height: int = 480,
     wait: float = 5,
@@ -201,6 +203,8 @@ def view(
     side_by_side: several atlases beside each other, not over each other
     normals: with the normals of points
     check: with what `slamdb.check` finds, in place; of parts nothing is
+    findings: of one atlas, what this report found, instead: of `slamdb.check`, or the conflicts of `slamdb.merge` with
+        base; also the path of one in JSON
     diff: of two atlases, what the second changed
     height: of the frame in the notebook, pixels
     wait: seconds, for another program that writes to the store
@@ -210,6 +214,8 @@ def view(
     """
     given: Dict[str, object] = dict(locals())
     given.pop("height")
+    if isinstance(findings, Report):
+        given.update(findings=None, report=json.dumps(findings.to_dict()))
     given.update(sources=several(sources), embedded=MOST_EMBEDDED if output is None else None)
     page, left_out, notices = _slamdb.view_page(given)
     told(notices)

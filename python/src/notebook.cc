@@ -75,6 +75,7 @@ struct Viewing {
   std::vector<AtlasOrPath> sources;
   ReadOptions read;
   ViewOptions options;
+  std::string findings, report;  // what a report found: the path of one, or its JSON
   OutputFile output;
   std::size_t embedded = 0;  // bytes of a page for which keypoints are left out where it is larger; 0: none are
 
@@ -82,10 +83,15 @@ struct Viewing {
     if (output.any())
       if (const std::string why = WhyNoPage(output.path); !why.empty()) throw Error(ErrorKind::kUsage, why);
     ViewOptions page_options = options;
-    if (!read.selection.everything()) page_options.check = false;  // what was left out would be found missing
-    std::vector<std::shared_ptr<const Atlas>> held;                // to which inputs refer
+    const bool reported = !findings.empty() || !report.empty();
+    if (reported && sources.size() != 1) throw Error(ErrorKind::kUsage, "findings= is of one atlas");
+    // What a part leaves out would be found missing.
+    if (!read.selection.everything() || reported) page_options.check = false;
+    std::vector<std::shared_ptr<const Atlas>> held;  // to which inputs refer
     std::vector<ViewInput> inputs;
     for (const AtlasOrPath& source : sources) inputs.push_back(InputOf(source, held, notices));
+    if (!findings.empty()) inputs.front().findings = ReadFindings(findings, sources.front().path);
+    if (!report.empty()) inputs.front().findings = ParseFindings(report, sources.front().path);
     ViewPage page = MakeViewPage(inputs, page_options);
     if (embedded != 0 && page.html.size() > embedded && options.keypoints == ViewKeypoints::kAuto) {
       page_options.keypoints = ViewKeypoints::kNone;
@@ -125,6 +131,8 @@ Viewing ViewingOf(Arguments& given) {
   given.Take("diff", options.diff);
   given.TakeRun(options);
   options.wording = cli::InCommandWords;
+  viewing.findings = given.Path("findings");
+  given.Take("report", viewing.report);
   viewing.output = given.Output("output");
   given.Take("embedded", viewing.embedded);
   return viewing;

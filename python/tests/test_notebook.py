@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import base64
+import copy
 import html.parser
+import json
 import re
 import xml.etree.ElementTree
 
@@ -154,6 +156,21 @@ def test_the_page_is_written_as_a_file(page_is_built, atlas, session, tmp_path):
     with pytest.raises(ValueError, match="matched"):
         slamdb.view(atlas, keypoints="some")
     assert [each.name for each in tmp_path.iterdir()] == ["map.html"]
+
+
+def test_what_a_report_found_is_in_the_page(page_is_built, atlas, command, tmp_path):
+    base, ours, theirs = copy.deepcopy(atlas), copy.deepcopy(atlas), copy.deepcopy(atlas)
+    for each, ids in ((base, range(8)), (ours, range(11)), (theirs, [0, 1, 2, 3, 5, 6, 7, 11])):
+        extracted = slamdb.extract(each, keyframe=list(ids))
+    merged, report = slamdb.merge(ours, theirs, base=base)
+    assert report["branches"]["conflicts"]
+    shown = slamdb.view(merged, findings=report)
+    (tmp_path / "merge.json").write_text(json.dumps(report.to_dict()), encoding="utf-8")
+    assert slamdb.view(merged, findings=tmp_path / "merge.json").html == shown.html != slamdb.view(merged).html
+    with pytest.raises(slamdb.UsageError, match="of one atlas"):
+        slamdb.view([merged, atlas], findings=report)
+    with pytest.raises(slamdb.UsageError):
+        slamdb.view(merged, findings=extracted)
 
 
 PART = ({"keyframes": (0, 5), "keypoints": "none"}, "--keyframes 0:5 --keypoints none")

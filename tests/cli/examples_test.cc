@@ -52,6 +52,7 @@ constexpr std::array kWorld = {
     "echo 1 0 0 0 0 0 1 >b_in_a.txt",
     "for days in start:0,1,2,3,4 monday:0,1,2,3,4,5,6,7 tuesday:0,1,2,3,4,8,9; do slamdb extract lab.osa "
     "${days%:*}.osa --keyframe ${days#*:} -q; done",
+    "slamdb merge --base start.osa monday.osa tuesday.osa -o both.osa --json >merge.json",
     "printf 'first,second,tx,ty,tz,qx,qy,qz,qw\\n0,2,-0.1,-0.05,0.2,0,0,0,1\\n' >loops.csv",
     "cp $FIXTURES/vocabulary/small.txt ORBvoc.txt; cp ORBvoc.txt smaller.txt",
     "slamdb vocabulary recompute saved_twice.osa crashed.osa --vocabulary ORBvoc.txt -q",

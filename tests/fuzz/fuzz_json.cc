@@ -2,6 +2,7 @@
 #include "slamdb/edit/ids/id_map.h"
 #include "slamdb/edit/repair/journal.h"
 #include "slamdb/synthetic/synthesize.h"
+#include "slamdb/view/page.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/require.h"
 
@@ -40,5 +41,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   fuzz::MayRefuse([&] { ReadJournal(text); });
   fuzz::MayRefuse([&] { ReadIdMaps(text); });
+  fuzz::MayRefuse([&] { return ParseFindings(text); });
   return 0;
 }

@@ -7,8 +7,10 @@
 #include <string>
 
 #include "slamdb/base/file.h"
+#include "slamdb/checks/report.h"
 #include "slamdb/edit/ids/id_map.h"
 #include "slamdb/edit/ids/renumber.h"
+#include "slamdb/edit/merge/three_way.h"
 #include "slamdb/edit/repair/journal.h"
 #include "slamdb/formats/layouts/layout.h"
 #include "slamdb/formats/mrpt/detail/gzip.h"
@@ -308,6 +310,13 @@ void WriteSeedsOfJson(const path& folder) {
   }
   const std::vector<IdMap> ids = {PlanRenumbering(atlas)};
   WriteChanged(folder, "ids", IdMapsToJson(ids));
+  Atlas broken = atlas;
+  for (std::size_t i = 0; i < 3; ++i) broken.maps[0].points[i].reference = KeyFrameId(4711);
+  const CheckedFile checked{.name = "a", .report = CheckAtlas(broken), .failure = {}, .file = {}};
+  WriteChanged(folder, "check", ToJson({&checked, 1}));
+  ThreeWayReport merged;
+  merged.conflicts = {{{.point = MapPointId(7)}, "flags"}, {{.keyframe = KeyFrameId(1)}, "deletion"}};
+  WriteChanged(folder, "merge", ToJson(merged));
 }
 
 // Patches of a store, see fuzz_store.cc: one or a few bytes anywhere.

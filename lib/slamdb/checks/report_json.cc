@@ -75,11 +75,10 @@ RuleResult ResultOf(const Json& json) {
                     .title = json.at("title"),
                     .consequence = json.value("consequence", ""),
                     .fix = json.value("fix", ""),
-                    .count = json.at("count"),
+                    .count = detail::IntegerOf<std::uint64_t>(json.at("count")),
                     .findings = {}};
   if (result.consequence.starts_with(kSubject)) result.consequence.erase(0, kSubject.size());
-  for (const Json& finding : json.at("findings"))
-    result.findings.push_back({PlaceOf(finding.at("place")), finding.at("message")});
+  for (const Json& finding : json.at("findings")) result.findings.push_back(detail::FindingOf(finding));
   return result;
 }
 
@@ -120,6 +119,8 @@ class JsonReporter : public CheckReporter {
 Json detail::JsonOf(const Finding& finding) {
   return {{"place", PlaceJson(finding.place)}, {"where", ToString(finding.place)}, {"message", finding.message}};
 }
+
+Finding detail::FindingOf(const Json& json) { return {PlaceOf(json.at("place")), json.at("message")}; }
 
 Json detail::JsonOf(const CheckedFile& file) {
   Json json;

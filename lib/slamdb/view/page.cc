@@ -4,7 +4,9 @@
 // 3. The header (header.h) says what the rest means; markup, style and script stand round it all.
 #include "slamdb/view/page.h"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -161,11 +163,14 @@ class PageMaker {
   void Check() {
     std::vector<CheckReport> reports;
     for (const SceneAtlas& atlas : scene_.atlases()) {
+      CheckReport report;
       if (options_.check)
-        reports.push_back(
-            CheckAtlas(atlas.atlas(), {.max_findings = options_.max_findings, .threads = options_.threads}));
-      header_.statistics.push_back(options_.check ? reports.back().statistics
-                                                  : ComputeStatistics(atlas.atlas(), options_.threads));
+        report = CheckAtlas(atlas.atlas(), {.max_findings = options_.max_findings, .threads = options_.threads});
+      else
+        report.statistics = ComputeStatistics(atlas.atlas(), options_.threads);
+      std::ranges::copy(atlas.input.findings, std::back_inserter(report.results));
+      header_.statistics.push_back(report.statistics);
+      reports.push_back(std::move(report));
     }
     header_.findings = PlaceFindings(scene_, reports, options_.notes ? Severity::kNote : Severity::kWarning);
     steps_.Next();

@@ -5,10 +5,12 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "slamdb/base/progress.h"
 #include "slamdb/base/wording.h"
+#include "slamdb/checks/check.h"
 #include "slamdb/export.h"
 #include "slamdb/formats/format.h"
 #include "slamdb/model/atlas.h"
@@ -29,12 +31,23 @@ struct ViewInput {
   std::string format;  // its title; empty: not told
   // What the panel says of it, for people. May be empty.
   std::function<std::vector<ViewFact>(const AtlasStatistics&)> facts;
+  std::vector<RuleResult> findings = {};  // shown besides those of the check, all of them
 };
 
 // An atlas as it was read from `path`, with what InfoSections tells of it; in memory alone where that is empty.
 // `format`: of the file; null: not told.
 [[nodiscard]] SLAMDB_EXPORT ViewInput ViewInputOf(const Atlas& atlas, const std::string& path, const Format* format,
                                                   const Wording& wording = {});
+
+// What a report found, to be shown in place: of ToJson(CheckedFile) the findings in `input`, or in the only atlas that
+// it is of; of ToJson(ThreeWayReport) the conflicts, a rule an aspect.
+//
+// Throws Error: kUsage, kNotFound for other reports, those of other atlases and of merges without a base; kDamaged for
+// what is no report; ReadFindings also as WholeFile does.
+// Cost: linear. Thread-safe.
+[[nodiscard]] SLAMDB_EXPORT std::vector<RuleResult> ParseFindings(std::string_view json, const std::string& input = {});
+[[nodiscard]] SLAMDB_EXPORT std::vector<RuleResult> ReadFindings(const std::string& path,
+                                                                 const std::string& input = {});
 
 // Which keypoints the page holds.
 enum class ViewKeypoints {

@@ -7,8 +7,9 @@
 
 namespace slamdb::detail {
 
-// {"place": {"map": 0, ...}, "where": "map 0, ...", "message": ...}
+// {"place": {"map": 0, ...}, "where": "map 0, ...", "message": ...}, and back.
 Json JsonOf(const Finding& finding);
+Finding FindingOf(const Json& json);
 
 // An item of `inputs` in schema/check.schema.json, and back: of the statistics that has what the gates measure.
 //
