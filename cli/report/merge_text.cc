@@ -87,7 +87,7 @@ std::string ThreeWayText(const ThreeWayReport& report) {
   if (report.same) return "both sides are the same: the result is " + report.names[1] + ", as it is\n";
   if (report.unchanged) {
     const bool is_ours = *report.unchanged == BranchSide::kOurs;
-    return report.names[is_ours ? 1 : 2] + " is " + report.names[0] + " itself: the result is " +
+    return std::string(is_ours ? "ours" : "theirs") + " has not gone on from " + report.names[0] + ": the result is " +
            report.names[is_ours ? 2 : 1] + ", as it is\n";
   }
   if (report.contains) {
@@ -99,13 +99,18 @@ std::string ThreeWayText(const ThreeWayReport& report) {
   std::string text = LedgersTable(report);
   if (const std::string ids = ShiftText(report.shift); !ids.empty())
     text += "ids that " + report.names[2] + " made since the base: " + ids + "\n";
+  std::uint64_t by_place = 0;
   for (const MergedBranchMap& map : report.maps) {
     text += MotionText(map, map.motion_of_ours, BranchSide::kOurs);
     text += MotionText(map, map.motion_of_theirs, BranchSide::kTheirs);
+    by_place += map.fused ? map.fused->fused : 0;
     if (map.fused && map.fused->fused > 0)
       text += "  " + Counted(map.fused->fused, "new point") + " of theirs fused with those of ours, " +
               Short(map.fused->mean_distance) + " apart on average\n";
   }
+  if (report.points.fused > by_place)
+    text += "  " + Counted(report.points.fused - by_place, "point") +
+            " fused with those that a side put in their place, or that the same keypoint sees\n";
   if (report.dangling > 0) text += Counted(report.dangling, "reference") + " that led nowhere cut\n";
   text += ConflictsText(report.conflicts);
   const std::uint64_t dropped = report.keyframes.dropped + report.points.dropped + report.observations.dropped;

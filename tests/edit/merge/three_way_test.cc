@@ -26,6 +26,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -353,6 +354,25 @@ TEST_F(OneThing, ARenumberedSideIsRecognised) {
   EXPECT_EQ(after.report.points.result, before.report.points.result);
 }
 
+// Ids of keyframes that were dense are the same when they are made dense again; those of points are not.
+TEST_F(OneThing, RenumberedPointsAreRecognisedWhateverKeyframesAreCalled) {
+  branched_ = EditedBranch(kWorlds[4], 2);
+  const ThreeWayResult before = Merge({.fuse = std::nullopt});
+  const Branched plain = branched_;
+  for (const bool of_ours : {false, true})
+    for (const bool of_theirs : {false, true}) {
+      branched_ = plain;
+      if (of_ours) Renumber(branched_.ours, {.kinds = {IdKind::kPoint}});
+      if (of_theirs) Renumber(branched_.theirs, {.kinds = {IdKind::kPoint}});
+      SCOPED_TRACE(testing::Message() << of_ours << of_theirs);
+      const ThreeWayResult after = Merge({.fuse = std::nullopt});
+      EXPECT_EQ(PointsBySightings(after.atlas), PointsBySightings(before.atlas));
+      EXPECT_EQ(after.report.points.deleted_by_ours, before.report.points.deleted_by_ours);
+      EXPECT_EQ(after.report.points.deleted_by_theirs, before.report.points.deleted_by_theirs);
+      EXPECT_THAT(TroubleCounts(after.atlas), IsEmpty());
+    }
+}
+
 TEST_F(OneThing, AnotherImageOfTheSameIdIsAnotherKeyframe) {
   Find(theirs(), KeyFrameId(5))->timestamp += 0.001;
   const ThreeWayResult merged = Merge();
@@ -562,6 +582,43 @@ TEST(ThreeWayScale, IsThatOfTheKeptSide) {
         0.02F);
 }
 
+// A base from before keyframes that both sides have: what one side alone tells of these stands.
+TEST_P(ThreeWays, KeyframesThatBothMadeAreTiedAsEitherHasThem) {
+  const Branched branched = Branch(GetParam());
+  const Atlas older = Part(branched.base, [](std::size_t row) { return row < kOld - 4; });
+  for (const bool swapped : {false, true}) {
+    const ThreeWayResult merged = swapped ? MergeThreeWays(older, branched.theirs, branched.ours)
+                                          : MergeThreeWays(older, branched.ours, branched.theirs);
+    EXPECT_EQ(merged.report.keyframes.added_by_both, 4U);
+    EXPECT_EQ(merged.atlas.maps.at(0).keyframes.size(), kOld + 2 * kNew);
+    auto troubles = TroubleCounts(merged.atlas);
+    if (swapped) troubles.erase("timestamp-order");  // those of theirs, which are earlier, have the later ids
+    EXPECT_THAT(troubles, IsEmpty());
+    // In time one behind the other, but for where both went on from one.
+    std::size_t ends = 0;
+    for (const KeyFrame& keyframe : merged.atlas.maps[0].keyframes) ends += keyframe.next ? 0 : 1;
+    if (GetParam().inertial) {
+      EXPECT_EQ(ends, 2U);
+    }
+  }
+}
+
+// What points say and keypoints do not is no fault of the merge, also where fusing makes both agree.
+TEST_P(ThreeWays, ObservationsThatNoKeypointConfirmsMayBeFused) {
+  for (std::uint64_t seed = 1; seed < 6; ++seed) {
+    Branched branched = EditedBranch(GetParam(), seed);
+    Random random(seed);
+    for (Atlas* side : {&branched.ours, &branched.theirs})
+      for (KeyFrame& keyframe : side->maps[0].keyframes)
+        for (MapPointId& point : keyframe.features.map_points)
+          if (random() % 8 == 0) point = MapPointId();
+    const FuseOptions wide{.radius = 30, .hamming = 100};
+    EXPECT_NO_THROW((void)Merged(branched, {.fuse = wide}));
+    std::swap(branched.ours, branched.theirs);
+    EXPECT_NO_THROW((void)Merged(branched, {.fuse = wide}));
+  }
+}
+
 // ---- maps
 
 Atlas Together(const Atlas& a, const Atlas& b) { return MergeAtlases({a, b}).atlas; }
@@ -613,6 +670,92 @@ TEST(ThreeWayMaps, WhatOneSideJoinedIsJoined) {
     ASSERT_THAT(merged.report.maps, SizeIs(1));
     EXPECT_THAT(merged.report.maps[0].base, SizeIs(2));
   }
+}
+
+// Each its own way: it lies between, whoever is ours, and what neither moved stays.
+TEST(ThreeWayMaps, WhatBothSidesJoinedLiesBetween) {
+  const Branched branched = Branch(kWorlds[4]);
+  const Atlas base = Together(branched.base, MakeWorld(kWorlds[4], 1, 77));
+  const auto joined = [&](double shift) {
+    Atlas side = base;
+    const Similarity3d placed{1, Eigen::Quaterniond::Identity(), {shift, 0, 0}};
+    JoinMaps(side, {.first = base.maps[0].id, .second = base.maps[1].id, .first_from_second = placed});
+    return side;
+  };
+  const Atlas one = joined(5), other = joined(5.02);
+  for (const bool swapped : {false, true}) {
+    const ThreeWayResult merged = swapped ? MergeThreeWays(base, other, one) : MergeThreeWays(base, one, other);
+    ASSERT_THAT(merged.atlas.maps, SizeIs(1));
+    EXPECT_THAT(TroubleCounts(merged.atlas), IsEmpty());
+    const IdTable rows = KeyFrameTable(merged.atlas.maps[0]);
+    for (std::size_t map : {0, 1})
+      for (const KeyFrame& before : base.maps[map].keyframes) {
+        const KeyFrame& after = merged.atlas.maps[0].keyframes.at(rows.Find(before.id.value()));
+        const Eigen::Vector3f moved = CameraCenter(after) - CameraCenter(before);
+        EXPECT_LT((moved - Eigen::Vector3f(map == 0 ? 0 : 5.01F, 0, 0)).norm(), 1e-4F) << ToString(before.id);
+      }
+  }
+}
+
+// Ours keeps the ids of its maps, and what theirs made in a map was made in that.
+TEST(ThreeWayMaps, OfOtherIdsGoByThoseOfOurs) {
+  const Branched branched = Branch(kWorlds[4]);
+  const Atlas other = MakeWorld(kWorlds[4], 1, 77);
+  const Atlas base = Together(branched.base, other), ours = Together(branched.ours, other);
+  Atlas theirs = Together(branched.theirs, other);
+  const MapId first = base.maps[0].id, second = base.maps[1].id;
+  IdMap swapped;
+  swapped[IdKind::kMap] = {{first.value(), second.value()}, {second.value(), first.value()}};
+  ApplyIdMap(theirs, swapped);
+  const ThreeWayResult merged = MergeThreeWays(base, ours, theirs);
+  EXPECT_THAT(TroubleCounts(merged.atlas), IsEmpty());
+  ASSERT_THAT(merged.atlas.maps, SizeIs(2));
+  EXPECT_EQ(merged.atlas.maps[0].id, first);
+  EXPECT_EQ(merged.atlas.maps[1].id, second);
+  for (const Map& map : merged.atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) EXPECT_EQ(MapId(keyframe.origin_map), map.id);
+}
+
+// Landmarks, of which ids tell what is what.
+Atlas WithLandmarks(Atlas atlas, const std::vector<std::pair<std::uint64_t, double>>& landmarks,
+                    std::uint64_t map = 9) {
+  Map& held = atlas.maps.emplace_back();
+  held.id = MapId(map);
+  for (const auto& [id, x] : landmarks) held.landmarks.push_back({.id = LandmarkId(id), .mean = {x, 0, 0}});
+  RaiseCounters(atlas);
+  return atlas;
+}
+std::multiset<double> LandmarksOf(const Atlas& atlas) {
+  std::multiset<double> all;
+  for (const Map& map : atlas.maps)
+    for (const Landmark& landmark : map.landmarks) all.insert(landmark.mean.x());
+  return all;
+}
+
+TEST(ThreeWayLandmarks, AreAsTheSideHasThemThatChangedThem) {
+  const Branched branched = Branch(kWorlds[4]);
+  const Atlas base = WithLandmarks(branched.base, {{9001, 1}, {9002, 2}, {9003, 3}, {9004, 4}, {9005, 5}});
+  const Atlas ours = WithLandmarks(branched.ours, {{9001, 1}, {9002, 2.5}, {9003, 3}, {9005, 5.5}, {9006, 60}});
+  const Atlas theirs = WithLandmarks(branched.theirs, {{9001, 1}, {9002, 2}, {9003, 3.5}, {9004, 4}, {9006, 61}}, 12);
+  for (const bool swapped : {false, true}) {
+    const ThreeWayResult merged = swapped ? MergeThreeWays(base, theirs, ours) : MergeThreeWays(base, ours, theirs);
+    EXPECT_EQ(LandmarksOf(merged.atlas), (std::multiset<double>{1, 2.5, 3.5, 5.5, 60, 61})) << swapped;
+    std::vector<std::string> conflicts;
+    for (const BranchConflict& conflict : merged.report.conflicts)
+      if (conflict.place.landmark) conflicts.push_back(MessageOf(conflict));
+    EXPECT_THAT(conflicts, ElementsAre(swapped ? "deleted by ours, extended by theirs: kept"
+                                               : "deleted by theirs, extended by ours: kept"));
+    EXPECT_THAT(merged.atlas.maps, SizeIs(2));
+  }
+}
+
+TEST(ThreeWayLandmarks, OfAMapThatTheOtherDeletedStayWhereTheyChanged) {
+  const Branched branched = Branch(kWorlds[4]);
+  const Atlas base = WithLandmarks(branched.base, {{9001, 1}}), same = WithLandmarks(branched.ours, {{9001, 1}}),
+              more = WithLandmarks(branched.ours, {{9001, 1}, {9002, 2}});
+  EXPECT_THAT(LandmarksOf(MergeThreeWays(base, same, branched.theirs).atlas), IsEmpty());
+  EXPECT_EQ(LandmarksOf(MergeThreeWays(base, more, branched.theirs).atlas), (std::multiset<double>{1, 2}));
+  EXPECT_EQ(LandmarksOf(MergeThreeWays(base, branched.theirs, more).atlas), (std::multiset<double>{1, 2}));
 }
 
 TEST(ThreeWayMaps, ASplitOneIsRefused) {

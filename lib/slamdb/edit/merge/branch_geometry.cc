@@ -259,6 +259,14 @@ std::optional<Similarity3d> MeanMotion(const Map& target, const Map& source, boo
   return same ? Similarity3d() : MeanOf(motions, with_scale);
 }
 
+Similarity3d Halfway(const Similarity3d& one, const Similarity3d& other, const Map& map) {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  std::size_t count = 0;
+  for (const KeyFrame& keyframe : map.keyframes)
+    if (IsPosed(keyframe)) center += (CameraCenter(keyframe).cast<double>() - center) / static_cast<double>(++count);
+  return MotionOf((TwistOf(one, center) + TwistOf(other, center)) / 2, center);
+}
+
 bool IsAnotherFrame(const Similarity3d& motion, const Map& map) {
   constexpr double kMostTurn = 0.1, kMostScale = 0.1, kMostShift = 0.2;  // radians, log, share of the map's extent
   Eigen::AlignedBox3f box;

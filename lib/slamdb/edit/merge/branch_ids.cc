@@ -137,6 +137,13 @@ std::vector<std::uint64_t> IdsOf(const Atlas& atlas, IdKind kind) {
   return ids;
 }
 
+std::unordered_map<std::uint64_t, const KeyFrame*> KeyFramesOf(const Atlas& atlas) {
+  std::unordered_map<std::uint64_t, const KeyFrame*> keyframes;
+  for (const Map& map : atlas.maps)
+    for (const KeyFrame& keyframe : map.keyframes) keyframes.emplace(keyframe.id.value(), &keyframe);
+  return keyframes;
+}
+
 class Unifier {
  public:
   Unifier(Branches& branches, const std::array<std::string, 3>& names, int threads)
@@ -257,16 +264,36 @@ class Unifier {
     const std::vector<IdPair> base_in_ours = MatchImages(base, ours), base_in_theirs = MatchImages(base, theirs);
     RefuseStranger(base_in_ours, ours.size(), 1);
     RefuseStranger(base_in_theirs, theirs.size(), 2);
-    renumbered_[0] = IsRenumbered(base_in_ours);
-    renumbered_[1] = IsRenumbered(base_in_theirs);
     const std::vector<IdPair> theirs_in_ours = MatchImages(theirs, ours);
     std::unordered_set<std::uint64_t> matched;
     for (const IdPair& pair : base_in_theirs) matched.insert(pair.after);
     for (const IdPair& pair : theirs_in_ours) matched.insert(pair.before);
+    MatchMaps(base_in_ours, base_in_theirs);
     PlanShifts(matched);
     NameAll(IdKind::kKeyFrame, base_in_ours, base_in_theirs, theirs_in_ours);
     CountOtherImages(base, base_in_ours, ours);
     CountOtherImages(base, base_in_theirs, theirs);
+  }
+
+  // Maps that a side gave other ids: keyframes of the base tell it, as they keep the map that they were made in.
+  void MatchMaps(const std::vector<IdPair>& base_in_ours, const std::vector<IdPair>& base_in_theirs) {
+    Table &base = of_base_[Row(IdKind::kMap)].known, &theirs = of_theirs_[Row(IdKind::kMap)].known;
+    base = OriginsOf(base_, ours_, base_in_ours);
+    for (const auto& [before, after] : OriginsOf(base_, theirs_, base_in_theirs)) {
+      const auto in_ours = base.find(before);
+      theirs.emplace(after, in_ours == base.end() ? before : in_ours->second);
+    }
+  }
+
+  // Which origin map of the base is which of a side, where all keyframes agree on it; else none is another one.
+  static Table OriginsOf(const Atlas& base, const Atlas& side, const std::vector<IdPair>& common) {
+    const auto before = KeyFramesOf(base), after = KeyFramesOf(side);
+    Table origins, back;
+    for (const IdPair& pair : common) {
+      const std::uint64_t was = before.at(pair.before)->origin_map, is = after.at(pair.after)->origin_map;
+      if (origins.emplace(was, is).first->second != is || back.emplace(is, was).first->second != was) return {};
+    }
+    return origins;
   }
 
   void RefuseStranger(const std::vector<IdPair>& common, std::size_t keyframes, std::size_t side) const {
@@ -277,11 +304,6 @@ class Unifier {
                     : Concat(names_[side], ": none of its ", Counted(keyframes, "keyframe"), " is one of ", names_[0],
                              ", so it was not made of that: name the atlas that both sides were made of as their base; "
                              "maps of which no base is left are aligned: `MergeAligned`"));
-  }
-
-  // Ids of one that are no longer those of the other say nothing.
-  static bool IsRenumbered(const std::vector<IdPair>& common) {
-    return std::ranges::none_of(common, [](const IdPair& pair) { return pair.before == pair.after; });
   }
 
   void CountOtherImages(const std::vector<Image>& base, const std::vector<IdPair>& matched,
@@ -322,8 +344,7 @@ class Unifier {
 
   void MatchPoints() {
     const AtlasIndex base(base_), ours(ours_), theirs(theirs_);
-    const std::vector<IdPair> in_ours = MatchPointsOfBase(base, ours, renumbered_[0]),
-                              in_theirs = MatchPointsOfBase(base, theirs, renumbered_[1]);
+    const std::vector<IdPair> in_ours = MatchPointsOfBase(base, ours), in_theirs = MatchPointsOfBase(base, theirs);
     const std::vector<IdPair> new_ones = MatchNewPoints(theirs, ours, in_theirs, in_ours);
     std::unordered_set<std::uint64_t> matched;
     for (const IdPair& pair : in_theirs) matched.insert(pair.after);
@@ -356,19 +377,11 @@ class Unifier {
   std::array<std::uint64_t, kIdKinds> free_{};
   std::array<std::vector<std::uint64_t>, kIdKinds> before_;
   std::unordered_set<std::uint64_t> taken_;  // while one kind is named
-  std::array<bool, 2> renumbered_{};         // ours, theirs: since the base
 };
 
 }  // namespace
 
 namespace {
-
-std::unordered_map<std::uint64_t, const KeyFrame*> KeyFramesOf(const Atlas& atlas) {
-  std::unordered_map<std::uint64_t, const KeyFrame*> keyframes;
-  for (const Map& map : atlas.maps)
-    for (const KeyFrame& keyframe : map.keyframes) keyframes.emplace(keyframe.id.value(), &keyframe);
-  return keyframes;
-}
 
 // Whether `part` has deleted a keyframe of the base that `all` has as the base had it: seeing the same points, and with
 // the same neighbours. Where `all` went on with it, it stays in any merge.

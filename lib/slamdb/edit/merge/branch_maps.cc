@@ -62,6 +62,32 @@ void RefuseSplit(const Maps& maps, std::size_t earlier, std::uint32_t first, std
                      "; join these two first (`JoinMaps`), or merge with an atlas from before the split"));
 }
 
+// What a map without keyframes holds, by which it is known.
+template <class Visit>
+void ForEachThing(const Map& map, const Visit& visit) {
+  for (const MapPoint& point : map.points) visit(point.id.value());
+  for (const Landmark& landmark : map.landmarks)
+    if (landmark.is_numbered()) visit(landmark.id.value());
+}
+
+// Clouds and landmarks: those that share things, and of those that share nothing those of one id.
+void JoinWithoutKeyframes(const Maps& maps, UnionFind& sets) {
+  std::unordered_map<std::uint64_t, std::uint32_t> owner,
+      by_id;  // number of the first map that has it, or is called so
+  std::vector<std::uint8_t> shares(maps.size(), 0);
+  for (std::uint32_t number = 0; number < maps.size(); ++number)
+    if (maps[number].keyframes.empty())
+      ForEachThing(maps[number], [&](std::uint64_t thing) {
+        const auto [first, is_new] = owner.emplace(thing, number);
+        if (is_new || maps.AtlasOf(first->second) == maps.AtlasOf(number)) return;
+        sets.Join(first->second, number);
+        shares[first->second] = shares[number] = 1;
+      });
+  for (std::uint32_t number = 0; number < maps.size(); ++number)
+    if (maps[number].keyframes.empty() && shares[number] == 0)
+      sets.Join(by_id.emplace(maps[number].id.value(), number).first->second, number);
+}
+
 std::vector<std::vector<std::uint32_t>> SetsOf(const Maps& maps, UnionFind& sets) {
   std::vector<std::vector<std::uint32_t>> members(maps.size());
   for (std::uint32_t number = 0; number < maps.size(); ++number) members[sets.Root(number)].push_back(number);
@@ -107,10 +133,7 @@ std::vector<MapGroup> GroupMaps(const Branches& branches, const std::array<std::
       const auto [partner, alone] = partners[maps.AtlasOf(number)].emplace(first->second, number);
       if (!alone && partner->second != number) RefuseSplit(maps, first->second, partner->second, number, names);
     }
-  std::unordered_map<std::uint64_t, std::uint32_t> without_keyframes;  // by id
-  for (std::uint32_t number = 0; number < maps.size(); ++number)
-    if (maps[number].keyframes.empty())
-      sets.Join(without_keyframes.emplace(maps[number].id.value(), number).first->second, number);
+  JoinWithoutKeyframes(maps, sets);
   std::vector<MapGroup> groups;
   for (const std::vector<std::uint32_t>& members : SetsOf(maps, sets)) {
     if (members.empty()) continue;
@@ -125,6 +148,67 @@ std::vector<MapGroup> GroupMaps(const Branches& branches, const std::array<std::
   return groups;
 }
 
+namespace {
+
+// Where maps lie in the frame of one of them, as far as keyframes that they share tell.
+class Frames {
+ public:
+  Frames(std::vector<Map*> maps, std::size_t root) : maps_(std::move(maps)), frames_(maps_.size()) {
+    frames_[root] = Similarity3d();
+  }
+
+  const std::optional<Similarity3d>& operator[](std::size_t map) const { return frames_[map]; }
+  void Set(std::size_t map, const Similarity3d& frame) { frames_[map] = frame; }
+
+  std::optional<Similarity3d> MotionBetween(std::size_t target, std::size_t source) const {
+    const bool with_scale = HasArbitraryScale(*maps_[target]) || HasArbitraryScale(*maps_[source]);
+    return MeanMotion(*maps_[target], *maps_[source], with_scale);
+  }
+  // Where a map lies by its neighbour.
+  std::optional<Similarity3d> By(std::size_t neighbour, std::size_t map) const {
+    const auto motion = frames_[neighbour] ? MotionBetween(neighbour, map) : std::nullopt;
+    return motion ? std::optional(*frames_[neighbour] * *motion) : std::nullopt;
+  }
+  // Finds those that are not known yet, by neighbours that are.
+  void FindAll() {
+    for (bool found = true; found;) {
+      found = false;
+      for (std::size_t map = 0; map < maps_.size(); ++map)
+        for (std::size_t by = 0; by < maps_.size() && !frames_[map]; ++by)
+          if (const auto frame = By(by, map)) {
+            frames_[map] = frame;
+            found = true;
+          }
+    }
+  }
+
+ private:
+  std::vector<Map*> maps_;
+  std::vector<std::optional<Similarity3d>> frames_;
+};
+
+// Where both sides joined the maps of the base, each its own way. A map of the base that neither moved tells the frame
+// of both; each other one lies between where ours has it and where theirs has it, so that both changed that.
+void LayByBoth(Frames& frames, const std::vector<Map*>& maps, std::size_t ours, std::size_t theirs,
+               std::size_t first_of_base) {
+  const auto stays = [&](std::size_t side, std::size_t base) {
+    const auto motion = frames.MotionBetween(side, base);
+    return motion && !IsAnotherFrame(*motion, *maps[base]);
+  };
+  for (std::size_t base = first_of_base; base < maps.size(); ++base)
+    if (stays(ours, base) && stays(theirs, base)) {
+      frames.Set(base, Similarity3d());
+      frames.Set(theirs, Similarity3d());
+    }
+  if (!frames[theirs]) frames.Set(theirs, frames.By(ours, theirs).value_or(Similarity3d()));
+  for (std::size_t base = first_of_base; base < maps.size(); ++base) {
+    const auto by_ours = frames.By(ours, base), by_theirs = frames.By(theirs, base);
+    if (!frames[base] && by_ours && by_theirs) frames.Set(base, Halfway(*by_ours, *by_theirs, *maps[base]));
+  }
+}
+
+}  // namespace
+
 void LayTogether(Branches& branches, const MapGroup& group, int threads) {
   std::vector<Map*> maps;
   const std::pair<Atlas*, const std::vector<std::uint32_t>*> sides[] = {
@@ -132,22 +216,10 @@ void LayTogether(Branches& branches, const MapGroup& group, int threads) {
   for (const auto& [atlas, rows] : sides)
     for (const std::uint32_t row : *rows) maps.push_back(&atlas->maps[row]);
   // The frame is that of a side which is one map, ours before theirs.
-  const std::size_t root = group.ours.size() != 1 && group.theirs.size() == 1 ? group.ours.size() : 0;
-  std::vector<std::optional<Similarity3d>> frames(maps.size());
-  frames[root] = Similarity3d();
-  std::vector<std::size_t> open = {root};
-  while (!open.empty()) {
-    const std::size_t at = open.back();
-    open.pop_back();
-    for (std::size_t next = 0; next < maps.size(); ++next) {
-      if (frames[next]) continue;
-      const bool with_scale = HasArbitraryScale(*maps[at]) || HasArbitraryScale(*maps[next]);
-      const auto motion = MeanMotion(*maps[at], *maps[next], with_scale);
-      if (!motion) continue;
-      frames[next] = *frames[at] * *motion;
-      open.push_back(next);
-    }
-  }
+  const std::size_t theirs = group.ours.size(), base = theirs + group.theirs.size();
+  Frames frames(maps, group.ours.size() != 1 && group.theirs.size() == 1 ? theirs : 0);
+  if (group.ours.size() == 1 && group.theirs.size() == 1) LayByBoth(frames, maps, 0, theirs, base);
+  frames.FindAll();
   for (std::size_t i = 0; i < maps.size(); ++i)
     if (frames[i]) TransformMap(*maps[i], *frames[i], threads);
   for (const auto& [atlas, rows] : sides)

@@ -38,6 +38,37 @@ void ForEachPoint(const Atlas& atlas, const Visit& visit) {
     for (const MapPoint& point : map.points) visit(point);
 }
 
+std::unordered_set<std::uint64_t> LandmarksOf(const Atlas& atlas) {
+  std::unordered_set<std::uint64_t> ids;
+  for (const Map& map : atlas.maps)
+    for (const Landmark& landmark : map.landmarks)
+      if (landmark.is_numbered()) ids.insert(landmark.id.value());
+  return ids;
+}
+
+// Of landmarks, which nothing sees, equal ids tell; one that is of a point goes by that.
+void AddLandmarks(const Atlas& base, const Atlas& side, std::vector<IdPair>& pairs) {
+  const std::unordered_set<std::uint64_t> before = LandmarksOf(base), after = LandmarksOf(side);
+  std::unordered_set<std::uint64_t> taken;
+  for (const IdPair& pair : pairs) taken.insert({pair.before, pair.after});
+  for (const std::uint64_t id : before)
+    if (after.contains(id) && !taken.contains(id)) pairs.push_back({id, id});
+}
+
+// Whether ids of points say nothing in the side. Those of keyframes may be as they were all the same, as when ids that
+// were dense were made dense again.
+bool IsRenumbered(const AtlasIndex& base, const AtlasIndex& side) {
+  std::size_t right = 0, wrong = 0;
+  ForEachPoint(base.atlas(), [&](const MapPoint& point) {
+    const MapPoint* same = FindPoint(side, point.id);
+    if (same != nullptr && SharesSighting(point, *same))
+      ++right;
+    else if (VoteOn(point, side).votes > 0)
+      ++wrong;
+  });
+  return wrong > right;
+}
+
 }  // namespace
 
 PointVote VoteOn(const MapPoint& point, const AtlasIndex& other) {
@@ -66,7 +97,8 @@ PointVote VoteOn(const MapPoint& point, const AtlasIndex& other) {
   return vote;
 }
 
-std::vector<IdPair> MatchPointsOfBase(const AtlasIndex& base, const AtlasIndex& side, bool renumbered) {
+std::vector<IdPair> MatchPointsOfBase(const AtlasIndex& base, const AtlasIndex& side) {
+  const bool renumbered = IsRenumbered(base, side);
   std::vector<IdPair> pairs;
   std::unordered_set<std::uint64_t> taken;
   ForEachPoint(base.atlas(), [&](const MapPoint& point) {
@@ -78,6 +110,7 @@ std::vector<IdPair> MatchPointsOfBase(const AtlasIndex& base, const AtlasIndex& 
       pairs.push_back({point.id.value(), vote.most.value()});
     }
   });
+  if (!renumbered) AddLandmarks(base.atlas(), side.atlas(), pairs);
   std::ranges::sort(pairs, {}, &IdPair::before);
   return pairs;
 }

@@ -7,6 +7,7 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/error.h"
+#include "slamdb/edit/merge/detail/branch_view.h"
 
 namespace slamdb::detail {
 namespace {
@@ -62,6 +63,10 @@ bool Count(const Presence& in, BranchLedger& ledger) {
   if (!deleted) return true;
   ++(in.ours ? ledger.deleted_by_theirs : in.theirs ? ledger.deleted_by_ours : ledger.deleted_by_both);
   return false;
+}
+
+std::pair<std::uint64_t, std::uint64_t> PlaceOf(const Inventory::Sighting& each) {
+  return {each.keyframe, each.keypoint};
 }
 
 class Prover {
@@ -129,10 +134,8 @@ class Prover {
   void Sightings() {
     using Sighting = Inventory::Sighting;
     for (const Sighting& each : result_.sightings) pairs_.insert(KeyOf(each.keyframe, each.point));
-    Walk(
-        base_.sightings, ours_.sightings, theirs_.sightings, result_.sightings,
-        [](const Sighting& each) { return std::pair(each.keyframe, each.keypoint); },
-        [&](const Presence& in, const Sighting* const* found) { Weigh(in, found); });
+    Walk(base_.sightings, ours_.sightings, theirs_.sightings, result_.sightings, PlaceOf,
+         [&](const Presence& in, const Sighting* const* found) { Weigh(in, found); });
     if (emptied_ > cleared_) Fail("an observation");
   }
 
@@ -140,8 +143,8 @@ class Prover {
     return keyframe * 0x9E3779B97F4A7C15U + point;
   }
 
-  void Weigh(const Presence& in, const Inventory::Sighting* const* found) {
-    if (found[3] != nullptr) RequireKnown(found);
+  void Weigh(Presence in, const Inventory::Sighting* const* found) {
+    if (found[3] != nullptr && !IsKnown(found)) FindClaim(*found[3], in);
     if (!Count(in, report_.observations)) return;
     const Inventory::Sighting& lost = found[1] ? *found[1] : *found[2];
     const std::uint64_t point = SurvivorOf(lost.point);
@@ -158,10 +161,25 @@ class Prover {
   }
 
   // A keypoint sees in the result what one of the inputs says that it sees.
-  void RequireKnown(const Inventory::Sighting* const* found) const {
+  bool IsKnown(const Inventory::Sighting* const* found) const {
     for (int input = 0; input < 3; ++input)
-      if (found[input] != nullptr && SurvivorOf(found[input]->point) == found[3]->point) return;
-    Fail(Concat("what keypoint ", found[3]->keypoint, " of ", KeyFrameId(found[3]->keyframe), " sees"));
+      if (found[input] != nullptr && SurvivorOf(found[input]->point) == found[3]->point) return true;
+    return false;
+  }
+
+  // Or what a point of an input says that sees it, which fusing makes the keypoint say, too.
+  void FindClaim(const Inventory::Sighting& seen, Presence& in) const {
+    const std::pair<const Inventory*, bool*> inputs[] = {
+        {&base_, &in.base}, {&ours_, &in.ours}, {&theirs_, &in.theirs}};
+    bool is_known = false;
+    for (const auto& [input, has] : inputs)
+      if (Claims(*input, seen)) is_known = *has = true;
+    if (!is_known) Fail(Concat("what keypoint ", seen.keypoint, " of ", KeyFrameId(seen.keyframe), " sees"));
+  }
+
+  bool Claims(const Inventory& input, const Inventory::Sighting& seen) const {
+    const auto [begin, end] = std::ranges::equal_range(input.claims, PlaceOf(seen), {}, PlaceOf);
+    return std::any_of(begin, end, [&](const auto& claim) { return SurvivorOf(claim.point) == seen.point; });
   }
 
   void Edges() {
@@ -203,12 +221,26 @@ Inventory::Inventory(const Atlas& atlas) {
         }
     }
     for (const MapPoint& point : map.points) points.push_back(point.id.value());
+    AddClaims(map);
   }
   std::ranges::sort(keyframes);
   std::ranges::sort(points);
-  std::ranges::sort(sightings, {}, [](const Sighting& each) { return std::pair(each.keyframe, each.keypoint); });
+  std::ranges::sort(sightings, {}, PlaceOf);
+  std::ranges::sort(claims, {}, PlaceOf);
   std::ranges::sort(edges);
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+}
+
+void Inventory::AddClaims(const Map& map) {
+  const IdTable rows = KeyFrameTable(map);
+  for (const MapPoint& point : map.points)
+    for (const Observation& observation : point.observations) {
+      const std::uint32_t row = rows.Find(observation.keyframe.value());
+      if (row == kNoRow) continue;
+      for (const std::int32_t keypoint : {observation.left, observation.right})
+        if (keypoint >= 0 && !Sightings::Sees(map.keyframes[row], keypoint, point.id))
+          claims.push_back({observation.keyframe.value(), static_cast<std::uint64_t>(keypoint), point.id.value()});
+    }
 }
 
 void Prove(const Inventory& base, const Inventory& ours, const Inventory& theirs, const Inventory& result,

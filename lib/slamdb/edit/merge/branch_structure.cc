@@ -344,7 +344,8 @@ class Merge {
     for (const auto flag : {&KeyFrame::first_connection, &KeyFrame::not_erase, &KeyFrame::to_be_erased, &KeyFrame::bad,
                             &KeyFrame::imu_initialized, &KeyFrame::has_velocity})
       group("flags", [flag](const auto& visit) { visit("", flag); });
-    if (before != nullptr) MergeReferences(*before, theirs, ours);
+    static const KeyFrame kNone;  // of what both made: what one side alone tells stands
+    MergeReferences(before != nullptr ? *before : kNone, theirs, ours);
     if (before != nullptr) MergeConnections(*before, theirs, ours);
     MergeEdges(before, theirs, &KeyFrame::loop_edges, ours);
     MergeEdges(before, theirs, &KeyFrame::merge_edges, ours);
@@ -643,8 +644,8 @@ class Merge {
     MergeLandmarks();
     if (report_.took_any) {
       ours_map_.max_keyframe_id = std::max(ours_map_.max_keyframe_id, theirs.max_keyframe_id);
-      if (const KeyFrameId lowest = theirs.lowest_keyframe; lowest < ours_map_.lowest_keyframe && Stays(lowest))
-        ours_map_.lowest_keyframe = lowest;
+      for (const KeyFrame& keyframe : theirs.keyframes)
+        if (keyframe.id < ours_map_.lowest_keyframe && Stays(keyframe.id)) ours_map_.lowest_keyframe = keyframe.id;
     }
     changed_ |= HashOfHeader(HeaderOf(ours_map_)) != HashOfHeader(was);
   }
@@ -664,17 +665,39 @@ class Merge {
     };
     if (base_.map != nullptr) list(base_.map->landmarks, before);
     list(theirs_map_.landmarks, theirs);
-    const std::size_t removed = std::erase_if(ours_map_.landmarks, [&](const Landmark& landmark) {
-      const auto was = before.find(landmark.id.value());
-      return was != before.end() && !theirs.contains(landmark.id.value()) && HashOf(*was->second) == HashOf(landmark);
+    const auto find = [](const auto& table, LandmarkId id) {
+      const auto found = table.find(id.value());
+      return found == table.end() ? nullptr : found->second;
+    };
+    const auto differ = [](const Landmark& a, const Landmark& b) { return HashOf(a) != HashOf(b); };
+    const std::size_t removed = std::erase_if(ours_map_.landmarks, [&](Landmark& ours_one) {
+      const Landmark *was = find(before, ours_one.id), *other = find(theirs, ours_one.id);
+      if (other != nullptr) MergeLandmark(was, *other, ours_one);
+      if (was == nullptr || other != nullptr) return false;
+      if (differ(*was, ours_one)) Conflict({.landmark = ours_one.id}, "deletion", BranchSide::kOurs);
+      return !differ(*was, ours_one);
     });
     list(ours_map_.landmarks, ours);
     std::vector<Landmark> added;
-    for (const Landmark& landmark : theirs_map_.landmarks)
-      if (!ours.contains(landmark.id.value()) && !before.contains(landmark.id.value())) added.push_back(landmark);
+    for (const Landmark& landmark : theirs_map_.landmarks) {
+      if (find(ours, landmark.id) != nullptr) continue;
+      const Landmark* was = find(before, landmark.id);
+      if (was != nullptr && !differ(*was, landmark)) continue;
+      if (was != nullptr) Conflict({.landmark = landmark.id}, "deletion", BranchSide::kTheirs);
+      added.push_back(landmark);
+    }
     changed_ |= removed + added.size() > 0;
     report_.took_any |= !added.empty();
     TakeLandmarks(ours_map_.landmarks, added);
+  }
+
+  void MergeLandmark(const Landmark* before, const Landmark& theirs, Landmark& ours) {
+    const std::int64_t was = before != nullptr ? HashOf(*before) : 0, our = HashOf(ours), their = HashOf(theirs);
+    const Pick pick = PickOf(before != nullptr ? &was : nullptr, our, their);
+    if (pick == Pick::kConflict) Conflict({.landmark = ours.id}, "landmark", options_.prefer);
+    if (pick == Pick::kOurs || (pick == Pick::kConflict && options_.prefer == BranchSide::kOurs)) return;
+    ours = theirs;
+    changed_ = report_.took_any = true;
   }
 
   // ---- what follows

@@ -64,6 +64,8 @@ class ThreeWayMerger {
     Prepare();
     CompareVocabularies();
     CompareLayouts();
+    base_maps_ = IdsOfMaps(branches_.base);
+    their_maps_ = IdsOfMaps(branches_.theirs);
     const detail::UnifiedIds ids = detail::UnifyIds(branches_, options_.names, options_.threads);
     report().shift = ids.shift;
     report().other_images = ids.other_images;
@@ -108,7 +110,8 @@ class ThreeWayMerger {
     report().same = ours == theirs;
     if (!report().same && base == theirs) report().unchanged = BranchSide::kTheirs;
     if (!report().same && base == ours) report().unchanged = BranchSide::kOurs;
-    if (!report().same && !report().unchanged) report().contains = detail::FindContaining(branches_, options_.threads);
+    if (!report().same && !report().unchanged && options_.take_containing)
+      report().contains = detail::FindContaining(branches_, options_.threads);
     if (!report().same && !report().unchanged && !report().contains) return false;
     const bool is_theirs = report().unchanged == BranchSide::kOurs || report().contains == BranchSide::kTheirs;
     result_.atlas = is_theirs ? branches_.theirs : branches_.ours;
@@ -211,30 +214,30 @@ class ThreeWayMerger {
   // ---- maps
 
   void MergeGroup(const MapGroup& group) {
-    const auto ids = [](const Atlas& atlas, const std::vector<std::uint32_t>& rows) {
+    const auto ids = [](const std::vector<MapId>& of_atlas, const std::vector<std::uint32_t>& rows) {
       std::vector<MapId> list;
-      for (const std::uint32_t row : rows) list.push_back(atlas.maps[row].id);
+      for (const std::uint32_t row : rows) list.push_back(of_atlas[row]);
       return list;
     };
     MergedBranchMap merged{.map = {},
-                           .base = ids(branches_.base, group.base),
-                           .ours = ids(branches_.ours, group.ours),
-                           .theirs = ids(branches_.theirs, group.theirs)};
+                           .base = ids(base_maps_, group.base),
+                           .ours = ids(our_maps_, group.ours),
+                           .theirs = ids(their_maps_, group.theirs)};
+    std::vector<MapId> unified;  // ids of theirs by now
+    for (const std::uint32_t row : group.theirs) unified.push_back(branches_.theirs.maps[row].id);
     if (group.ours.empty() && group.theirs.empty()) return;
     if (group.ours.empty() || group.theirs.empty()) return TakeWhole(group);
     if (group.IsJoined()) detail::LayTogether(branches_, group, options_.threads);
     const Map* base = group.base.empty() ? nullptr : &branches_.base.maps[group.base.front()];
     Map &ours = branches_.ours.maps[group.ours.front()], &theirs = branches_.theirs.maps[group.theirs.front()];
-    const MapId before = base ? base->id : MapId();
-    const MapId id =
-        detail::PickOf(base ? &before : nullptr, ours.id, theirs.id) == detail::Pick::kTheirs ? theirs.id : ours.id;
+    const MapId id = ours.id;
     if (ours.keyframes.empty() && theirs.keyframes.empty())
       MergeWithoutKeyFrames(base, ours, theirs);
     else
       MergeMap(group, merged);
     for (const MapId mine : merged.ours) map_of_ours_.emplace(mine.value(), id);
-    for (const MapId other : merged.theirs) map_of_theirs_.emplace(other.value(), id);
-    ours.id = merged.map = id;
+    for (const MapId other : unified) map_of_theirs_.emplace(other.value(), id);
+    merged.map = id;
     if (merged.motion_of_ours.common + merged.motion_of_theirs.common > 0) report().maps.push_back(std::move(merged));
     parts_.push_back({group.ours.front(), std::move(ours)});
   }
@@ -246,7 +249,7 @@ class ThreeWayMerger {
     for (const std::uint32_t row : is_ours ? group.ours : group.theirs) {
       Map& map = atlas.maps[row];
       if (!group.base.empty()) {
-        if (!IsExtended(map)) continue;
+        if (!IsExtended(map, group)) continue;
         report().conflicts.push_back({{.map = map.id}, "deletion", is_ours ? BranchSide::kOurs : BranchSide::kTheirs});
       }
       took_any_ = took_any_ || !is_ours;
@@ -268,8 +271,11 @@ class ThreeWayMerger {
     return MapId(free);
   }
 
-  // Whether a map of the base has keyframes or observations that the base has not.
-  bool IsExtended(const Map& map) const {
+  // Whether a map of the base has keyframes or observations that the base has not, or, of clouds and landmarks,
+  // anything.
+  bool IsExtended(const Map& map, const MapGroup& group) const {
+    if (map.keyframes.empty())
+      return group.base.empty() || HashAlone(map) != HashAlone(branches_.base.maps[group.base.front()]);
     return std::ranges::any_of(map.keyframes, [&](const KeyFrame& keyframe) {
       const EntityRow place = base_index_->LocateKeyFrame(keyframe.id);
       if (!place) return true;
@@ -281,22 +287,25 @@ class ThreeWayMerger {
     });
   }
 
+  // Whatever the map is called.
+  static std::uint64_t HashAlone(const Map& map) {
+    Atlas alone;
+    alone.maps.push_back(map);
+    alone.maps.front().id = MapId();
+    return HashOf(alone);
+  }
+
   // Clouds and landmarks, of which nothing but ids tells what is what.
   void MergeWithoutKeyFrames(const Map* base, Map& ours, Map& theirs) {
     if (ours.points.empty() && theirs.points.empty()) {
-      const detail::StructureReport merged =
+      detail::StructureReport merged =
           detail::MergeStructure(base, ours, theirs, classes_, {}, {}, StructureOptionsOf(false));
       took_any_ = took_any_ || merged.took_any;
+      std::ranges::move(merged.conflicts, std::back_inserter(report().conflicts));
       return;
     }
-    const auto hash = [](const Map& map) {
-      Atlas alone;
-      alone.maps.push_back(map);
-      alone.maps.front().id = MapId();
-      return HashOf(alone);
-    };
-    const std::uint64_t our_hash = hash(ours), their_hash = hash(theirs);
-    const std::uint64_t base_hash = base ? hash(*base) : 0;
+    const std::uint64_t our_hash = HashAlone(ours), their_hash = HashAlone(theirs);
+    const std::uint64_t base_hash = base ? HashAlone(*base) : 0;
     switch (detail::PickOf(base ? &base_hash : nullptr, our_hash, their_hash)) {
       case detail::Pick::kOurs:
         return;
@@ -463,7 +472,7 @@ class ThreeWayMerger {
   detail::PointClasses classes_;
   std::vector<Part> parts_;
   std::unordered_map<std::uint64_t, MapId> map_of_ours_, map_of_theirs_;  // ids before (unified) and after
-  std::vector<MapId> our_maps_;                                           // by row, as they came
+  std::vector<MapId> base_maps_, our_maps_, their_maps_;                  // by row, as they came
   std::unordered_set<std::uint64_t> map_ids_;                             // of the result; filled when first needed
   std::uint64_t cleared_ = 0;                                             // keypoints that fusing emptied
   bool took_any_ = false;                                                 // something of theirs is in the result

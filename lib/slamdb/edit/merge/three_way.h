@@ -44,9 +44,10 @@ struct ThreeWayOptions {
   BranchSide prefer = BranchSide::kOurs;            // whose change stands where both changed the same
   std::optional<FuseOptions> fuse = FuseOptions{};  // new points of both sides at one place; none: they stay apart
   bool ignore_vocabulary = false;                   // keep our vocabulary though theirs is a different one
-  bool id_maps = false;                             // fill ThreeWayReport::id_maps
-  int threads = 0;                                  // 0: every core; the result is the same for any number
-  Progress progress;                                // may be empty
+  bool take_containing = true;  // a side that has all new keyframes of the other is the result, as after a merge
+  bool id_maps = false;         // fill ThreeWayReport::id_maps
+  int threads = 0;              // 0: every core; the result is the same for any number
+  Progress progress;            // may be empty
 };
 
 // Something that both sides changed, each in another way. Ids are those of the result.
@@ -138,8 +139,8 @@ struct ThreeWayResult {
 // Maps are paired by the keyframes that they share; maps that one side joined are joined. References that lead nowhere
 // are cut and counted. What is in the result is held against all three inputs.
 //
-// A side that is the base, or the other side again, leaves the other as it is, to the byte; so does one of which the
-// other has every new keyframe: it was merged before.
+// A side that is the base, or the other side again, leaves the other as it is, to the byte; so does, with
+// `take_containing`, one of which the other has every new keyframe: it was merged before.
 //
 // Throws Error:
 //   kNotPossible  a side shares no keyframe with the base, or has split a map of it; ids are there more than once;

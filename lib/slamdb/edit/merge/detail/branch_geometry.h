@@ -20,6 +20,9 @@ std::optional<Similarity3d> MeanMotion(const Map& target, const Map& source, boo
 // Whether a motion is more than what optimisation does to a map: another frame, or unit.
 bool IsAnotherFrame(const Similarity3d& motion, const Map& map);
 
+// The motion between two motions of a map.
+Similarity3d Halfway(const Similarity3d& one, const Similarity3d& other, const Map& map);
+
 // Where a keyframe is to be.
 struct Target {
   PoseState pose;

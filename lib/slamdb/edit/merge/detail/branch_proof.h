@@ -25,9 +25,13 @@ struct Inventory {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> keyframes;  // id, rows of features; ascending
   std::vector<std::uint64_t> points;                               // ascending
   std::vector<Sighting> sightings;                                 // by keyframe and keypoint, ascending
-  std::vector<Edge> edges;                                         // ascending, each once
+  std::vector<Sighting> claims;  // likewise: what points say that no keypoint confirms
+  std::vector<Edge> edges;       // ascending, each once
 
   explicit Inventory(const Atlas& atlas);
+
+ private:
+  void AddClaims(const Map& map);
 };
 
 // Holds the result against what went into it, key by key, and fills the ledgers of the report. Each thing of the inputs
