@@ -13,10 +13,9 @@ void AddRevision(CLI::App& verb, RevisionOptions& options, const std::string& he
   AddWait(verb, options.wait);
 }
 
-Store OpenRevisions(const RevisionOptions& options, Console& console) {
-  const Location location = Location::Parse(options.atlas);
-  Store::Open(location.path, options.wait);
-  return Store::OpenForWriting(location.path, {.lock_timeout = options.wait, .progress = console.MakeProgress(false)});
+Store OpenToChange(const std::string& path, double wait, Console& console) {
+  Store::Open(path, wait);
+  return Store::OpenForWriting(path, {.lock_timeout = wait, .progress = console.MakeProgress(false)});
 }
 
 }  // namespace slamdb::cli

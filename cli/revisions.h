@@ -17,7 +17,7 @@ struct RevisionOptions {
 };
 void AddRevision(CLI::App& verb, RevisionOptions& options, const std::string& help);
 
-// The store, to write; a name that is mistyped does not make one.
-Store OpenRevisions(const RevisionOptions& options, Console& console);
+// A store that is there, to write: a name that is mistyped does not make one.
+Store OpenToChange(const std::string& path, double wait, Console& console);
 
 }  // namespace slamdb::cli

@@ -5,6 +5,7 @@
 #include "cli/limits.h"
 #include "cli/options.h"
 #include "cli/report/layout.h"
+#include "cli/revisions.h"
 #include "cli/values.h"
 #include "slamdb/base/error.h"
 #include "slamdb/formats/store/report.h"
@@ -18,17 +19,21 @@ struct GcOptions {
   bool keep_tags = false, no_vacuum = false, json = false;
 };
 
-std::string ReportText(const GiveUpReport& report, bool dry_run) {
+std::string ReportText(const GiveUpReport& report, const GiveUpOptions& options) {
+  const bool dry_run = options.dry_run;
   std::string text;
   std::uint64_t gone = 0, kept = 0;
+  bool keeps_more = false;
   for (const GivenUp& atlas : report.atlases) {
     gone += atlas.revisions.size();
     kept += atlas.kept;
+    keeps_more = keeps_more || (!options.keep_days && atlas.kept > options.keep.value_or(1));
     if (!atlas.revisions.empty())
       text += atlas.atlas + ": " + Counted(atlas.revisions.size(), "revision") + (dry_run ? " would go" : " given up") +
               ", " + Grouped(atlas.kept) + " kept\n";
   }
-  if (gone == 0) return "nothing to give up: " + Counted(kept, "revision") + " kept\n";
+  if (keeps_more) text += "what has a tag, and what others were branched off, merged or restored from, is kept, too\n";
+  if (gone == 0) return "nothing to give up: " + Counted(kept, "revision") + " kept\n" + text;
   return text + (dry_run ? "would free about " : "freed about ") + HumanBytes(report.bytes) + "\n";
 }
 
@@ -49,16 +54,14 @@ ExitCode RunGc(const GcOptions& options, Console& console) {
     RefuseUsage(
         "say what to keep: --keep N, --keep-days D, or --keep-tags for nothing but the newest and what has a tag");
   const Location location = Location::Parse(options.store.path);
-  Store::Open(location.path);  // a name that is mistyped must not make a store
-  Store store = Store::OpenForWriting(location.path,
-                                      {.lock_timeout = options.store.wait, .progress = console.MakeProgress(false)});
+  Store store = OpenToChange(location.path, options.store.wait, console);
   const GiveUpReport report = store.GiveUp(options.give_up, location.name);
   const bool gives_back = !options.no_vacuum && !location.is_server();  // a server does so by itself
   if (report.bytes > 0 && !options.give_up.dry_run && gives_back) GiveSpaceBack(store);
   if (options.json)
     console.PrintData(ToJson(report, options.store.path));
   else if (!console.quiet())
-    console.Print(ReportText(report, options.give_up.dry_run));
+    console.Print(ReportText(report, options.give_up));
   return ExitCode::kDone;
 }
 
@@ -93,8 +96,8 @@ const Command kGc = {
     .group = Group::kStore,
     .description =
         R"(Gives up revisions for good, all of a file in one transaction, and the space that they took. What is to be kept has to be said; of several
-ways to keep, one is enough. The newest revision of every atlas stays, and so does what has a tag, and where another atlas was
-branched off or merged from, and those that say so.)",
+ways to keep, one is enough. The newest revision of every atlas stays, and so does what has a tag, and what others were branched
+off or merged from, and these; what one that stays was restored from stays with it.)",
     .failed = "The store could not be written, or another program uses it.",
     .examples = kExamples,
     .add = AddGc,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "cli/choices.h"
@@ -20,7 +21,7 @@
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/warnings.h"
 #include "slamdb/formats/formats.h"
-#include "slamdb/formats/store/store.h"
+#include "slamdb/many/branches.h"
 #include "slamdb/many/names.h"
 #include "slamdb/optimize/warnings.h"
 
@@ -34,7 +35,6 @@ struct MergeVerbOptions {
   std::string id_map, vocabulary;
   bool align = false, join = false, scale = false, no_scale = false, fuse = false, no_fuse = false, no_base = false;
   std::string base;
-  bool base_is_found = false;  // by the history of the store
   BranchGeometry geometry = BranchGeometry::kAlign;
   BranchSide prefer = BranchSide::kOurs;
   std::string transform, anchors, maps;
@@ -119,32 +119,15 @@ ExitCode MergeAndJoin(std::vector<Atlas> atlases, const MergeOptions& merge, Sid
   return FinishEdit(text, ToJson(result, FilesOf(options.edit).output), options.edit, console, notices);
 }
 
-// A side that lacks much of what it is said to come from was more likely saved from before that: all that it lacks
-// would count as deleted.
-void RefuseDoubtfulBase(const MergeVerbOptions& options, const std::vector<Atlas>& base_and_sides, int threads) {
-  constexpr std::size_t kMostDeleted = 10, kFewDeleted = 3;  // a tenth of the base
-  const Location base(options.base);
-  std::size_t keyframes = 0;
-  for (const Map& map : base_and_sides[0].maps) keyframes += map.keyframes.size();
-  for (std::size_t side = 0; side < options.inputs.size(); ++side) {
-    const std::size_t lacking = CountMissingKeyframes(base_and_sides[0], base_and_sides[side + 1], threads);
-    if (lacking <= std::max(keyframes / kMostDeleted, kFewDeleted)) continue;
-    throw Error(ErrorKind::kNotPossible, base.path, "",
-                Location(options.inputs[side]).name + " lacks " + std::to_string(lacking) + " of the " +
-                    std::to_string(keyframes) + " keyframes of " + base.name +
-                    ", which the history says it was made of: they would count as deleted. Where it was saved from "
-                    "before that, say what both were made of, as --base " +
-                    base.path + "#NAME@N ('slamdb log' lists them); where they were culled, --base " + options.base);
-  }
-}
-
 // What two robots made of one base.
-ExitCode MergeTheBranches(const MergeVerbOptions& options, Console& console) {
+ExitCode MergeTheBranches(const MergeVerbOptions& options, const std::optional<StoredBranches>& stored,
+                          Console& console) {
   if (options.inputs.size() != 2) RefuseUsage("--base is of two inputs, ours and theirs, which were made of it");
   ThreeWayOptions merge{.geometry = options.geometry,
                         .prefer = options.prefer,
                         .fuse = options.fusion,
                         .ignore_vocabulary = options.merge.ignore_vocabulary || options.merge.force,
+                        .take_containing = !stored,  // the history knows what was merged
                         .id_maps = !options.id_map.empty(),
                         .threads = console.threads(),
                         .progress = console.MakeProgress()};
@@ -154,7 +137,7 @@ ExitCode MergeTheBranches(const MergeVerbOptions& options, Console& console) {
   Notices notices;
   SideFile id_map(options.id_map, options.edit);
   std::vector<Atlas> atlases = ReadInputs(options, console, notices);
-  if (options.base_is_found) RefuseDoubtfulBase(options, atlases, console.threads());
+  if (stored) RequireBase(*stored, atlases[0], atlases[1], atlases[2], console.threads());
   const MergeBranchesResult result =
       MergeBranches(std::move(atlases[0]), std::move(atlases[1]), std::move(atlases[2]), merge);
   const ThreeWayReport& report = result.merged.report;
@@ -167,54 +150,47 @@ ExitCode MergeTheBranches(const MergeVerbOptions& options, Console& console) {
                     ToJson(result, FilesOf(options.edit).output), options.edit, console, notices);
 }
 
-// The store that two atlases are both in; nothing where they are not.
-std::optional<Store> StoreOfBoth(const Location& first, const Location& second, double wait) {
-  const bool same = !first.name.empty() && !second.name.empty() && HoldsNamedAtlases(first.path) &&
-                    detail::IsSameFile(first.path, std::nullopt, second.path, std::nullopt);
-  return same ? std::optional(Store::Open(first.path, wait)) : std::nullopt;
-}
-
-// Of two atlases of a store: what both come from, if its history knows it and no other base is given; where the result
-// goes to that store, that the second is merged into it; and where it goes nowhere else, that it is the next revision
-// of the first. Returns what there is to say.
-std::string FindBranches(MergeVerbOptions& options) {
-  if (options.inputs.size() != 2 || options.join || options.align || options.no_base) return {};
-  const Location ours(options.inputs[0]), theirs(options.inputs[1]);
-  std::optional<Store> store = StoreOfBoth(ours, theirs, options.edit.wait);
-  if (!store) return {};
-  const RevisionName our_revision = store->FindRevision(ours.name), their_revision = store->FindRevision(theirs.name);
+// Where the result of two atlases of a store goes: to that store, where the second is merged into it; nowhere else, so
+// that it is the next revision of the first. What is read are the revisions that they are now.
+void GoOnWithRevisions(const StoredBranches& branches, MergeVerbOptions& options) {
   EditOptions& edit = options.edit;
-  std::string found;
-  if (options.base.empty() && !options.same_map) {
-    const std::optional<RevisionName> base = store->CommonBase(ours.name, theirs.name);
-    if (!base && edit.output.empty() && !edit.dry_run)
-      RefuseUsage("the history of " + ours.path + " knows nothing that " + ours.name + " and " + theirs.name +
-                  " both come from: say it with --base, or with --output where their maps are to go side by side");
-    if (!base) return {};
-    if (store->FindRevision(base->ToString()) != *base)
-      RefuseUsage("an atlas is called " + base->ToString() +
-                  ", which hides the revision that both come from: say it with "
-                  "--base");
-    options.base_is_found = true;
-    options.base = ours.path + "#" + base->ToString();
-    found = ours.name + " and " + theirs.name + " both come from " + base->ToString() +
-            ": merged three ways; --no-base keeps their maps side by side";
-  }
-  if (options.base.empty()) return {};
   if (edit.output.empty() && !edit.dry_run) {
-    if (our_revision != store->FindRevision(our_revision.atlas))
-      RefuseUsage(ours.name + " is not the newest revision of " + our_revision.atlas +
+    if (!branches.is_newest)
+      RefuseUsage(Location(options.inputs[0]).name + " is not the newest revision of " + branches.ours.atlas +
                   ", which the result would take the place of: say with --output where it goes");
-    edit.output = ours.path + "#" + our_revision.atlas;
+    edit.output = branches.store + "#" + branches.ours.atlas;
     edit.target.overwrite = true;
   }
   const Location output(edit.output);
-  if (StoreOfBoth(ours, output, edit.wait)) edit.merged = their_revision;
-  if (edit.merged && output.name == our_revision.atlas) edit.onto = our_revision;
-  for (const auto& [input, revision] : {std::pair(ours, our_revision), std::pair(theirs, their_revision)})
-    detail::EnterRevision(input.path, input.name, revision.ToString());
-  options.inputs = {ours.path + "#" + our_revision.ToString(), theirs.path + "#" + their_revision.ToString()};
-  return found;
+  if (!output.name.empty() && detail::IsSameFile(branches.store, std::nullopt, output.path, std::nullopt))
+    edit.merged = branches.theirs;
+  if (edit.merged && output.name == branches.ours.atlas) edit.onto = branches.ours;
+  const RevisionName* revisions[] = {&branches.ours, &branches.theirs};
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Location input(options.inputs[side]);
+    detail::EnterRevision(input.path, input.name, revisions[side]->ToString());
+    options.inputs[side] = branches.LocationOf(*revisions[side]);
+  }
+}
+
+// Of two atlases of a store: what both come from, if its history knows it and no other base is given.
+std::optional<StoredBranches> TakeBase(MergeVerbOptions& options) {
+  if (options.inputs.size() != 2 || options.join || options.align || options.no_base) return std::nullopt;
+  const Location ours(options.inputs[0]), theirs(options.inputs[1]);
+  std::optional<StoredBranches> branches = FindBranches(ours, theirs, options.edit.wait);
+  if (!branches) return std::nullopt;
+  const bool is_given = !options.base.empty();
+  if (!is_given && options.same_map) return std::nullopt;
+  if (!is_given && !branches->base) {
+    if (options.edit.output.empty() && !options.edit.dry_run)
+      RefuseUsage("the history of " + ours.path + " knows nothing that " + ours.name + " and " + theirs.name +
+                  " both come from: say it with --base, or with --output where their maps are to go side by side");
+    return std::nullopt;
+  }
+  GoOnWithRevisions(*branches, options);
+  if (is_given) return std::nullopt;
+  options.base = branches->LocationOf(*branches->base);
+  return branches;
 }
 
 // Options that mean nothing without others.
@@ -230,11 +206,18 @@ void RefuseStray(const CLI::App& verb, const MergeVerbOptions& options) {
 }
 
 ExitCode RunMerge(MergeVerbOptions options, const CLI::App& verb, Console& console) {
-  const std::string found = FindBranches(options);
+  const std::vector<std::string> given = options.inputs;
+  const std::optional<StoredBranches> stored = TakeBase(options);
   RefuseStray(verb, options);
   if (options.align || (!options.base.empty() && options.geometry == BranchGeometry::kOptimize)) GoOnWithLibraries();
-  if (!found.empty()) console.Note(found);
-  if (!options.base.empty()) return MergeTheBranches(options, console);
+  if (stored)
+    console.Note(Location(given[0]).name + " and " + Location(given[1]).name + " both come from " +
+                 stored->base->ToString() + ": merged three ways; --no-base keeps their maps side by side");
+  if (options.edit.merged && !options.edit.onto)
+    console.Note("the history of " + Location(options.edit.output).name + " will tell of " +
+                 options.edit.merged->ToString() + " alone: for later merges with " + Location(given[0]).name +
+                 " merge into that, or into a branch of it");
+  if (!options.base.empty()) return MergeTheBranches(options, stored, console);
   MergeOptions merge = options.merge;
   merge.names = DistinctNames(options.inputs);
   merge.id_maps = !options.id_map.empty();

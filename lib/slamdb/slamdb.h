@@ -116,6 +116,7 @@
 #include "slamdb/formats/trajectory/options.h"
 #include "slamdb/formats/vocabularies.h"
 #include "slamdb/many/add.h"
+#include "slamdb/many/branches.h"
 #include "slamdb/many/check.h"
 #include "slamdb/many/convert.h"
 #include "slamdb/many/each.h"

@@ -69,7 +69,8 @@ def merge(
     vocabulary: file of the words; those that cannot be of it are computed anew
     id_map: write which id of which atlas became which to this .csv or .json; overwrite: replace it
 
-    base: what both sources, ours and theirs, were made of: their changes are merged, each thing where it changed
+    base: what both sources, ours and theirs, were made of: their changes are merged, each thing where it changed. Of two
+        branches in a store a warning tells which it is, where it is not given: "maps.db#lab@1"
     geometry: where that is which both have: "align" (the default), what both changed, weighed; "ours", "theirs";
         "optimize", align and then the bundle adjusted
     prefer: whose change stands where both changed the same: "ours" (the default) or "theirs"

@@ -4,11 +4,13 @@
 #include "python/src/verb.h"
 #include "slamdb/align/merge_aligned.h"
 #include "slamdb/align/merge_branches.h"
+#include "slamdb/base/detail/server.h"
 #include "slamdb/edit/frame/similarity_text.h"
 #include "slamdb/edit/merge/anchors.h"
 #include "slamdb/edit/merge/merge.h"
 #include "slamdb/edit/merge/warnings.h"
 #include "slamdb/formats/rows/options.h"
+#include "slamdb/many/branches.h"
 #include "slamdb/many/inputs.h"
 #include "slamdb/many/locate_pictures.h"
 #include "slamdb/many/maps_to_align.h"
@@ -207,6 +209,16 @@ void WriteIdsOf(const MergeReport& report, const OutputFile& file) {
   if (file.any()) WriteIdMaps(report.id_maps, file.path, file.options);
 }
 
+// Two branches of a store that knows what they come from are more than two atlases.
+void TellCommonBase(const Sources& sources, Notices& notices) {
+  if (sources.size() != 2) return;
+  const std::optional<StoredBranches> branches = FindBranches(Location(sources[0].path), Location(sources[1].path));
+  if (branches && branches->base)
+    notices.Warn(branches->ours.atlas + " and " + branches->theirs.atlas + " both come from " +
+                 branches->base->ToString() + ", and are side by side now: base='" +
+                 detail::WithoutPassword(branches->LocationOf(*branches->base)) + "' merges them three ways");
+}
+
 void DefineMerge(py::module_& module) {
   DefineMaker(module, "merge", [](Arguments& given) {
     const Joining joining = JoiningOf(given);
@@ -233,6 +245,7 @@ void DefineMerge(py::module_& module) {
         atlas = std::move(result.merged.atlas);
         return ToJson(result);
       }
+      if (!joining.join) TellCommonBase(sources, notices);
       MergeResult result = MergeAtlases(std::move(atlases), merge);
       TellWarnings(result.report, notices);
       WriteIdsOf(result.report, ids);

@@ -39,7 +39,7 @@ ITS_OWN = {  # of single verbs
     "list_atlases": {"columns": "report['atlases']"},
     "view": {"open": "webbrowser", "serve": "http.server", "port": "http.server"},
     "diff": {"ignore-ids": "report.verdict", "summary": "report.verdict"},
-    "merge": {"no-scale": "scale=False", "no-fuse": "fuse=False", "no-base": "atlases in memory are of no store"},
+    "merge": {"no-scale": "scale=False", "no-fuse": "fuse=False", "no-base": "a base is given or none"},
     "vocabulary_show": {}, "layouts_list": {},
 }  # fmt: skip
 

@@ -383,7 +383,10 @@ def test_revisions(store, atlas):
         store.branch("lab", "robot7")
     assert [entry.given_up for entry in store.gc(keep=1, dry_run=True).atlases if entry.name == "lab"] == [[]]
     store.tag("lab", "first", remove=True)
-    assert [list(entry.given_up) for entry in store.gc("lab", keep_tags=True).atlases] == [[1]]
+    for _ in range(2):
+        atlas.maps[0].points.positions[0] += 1
+        store.save("lab", atlas, overwrite=True)
+    assert [list(entry.given_up) for entry in store.gc("lab", keep_tags=True).atlases] == [[4]]
     for wrong in ({}, {"keep": 0}, {"keep_days": -1}):
         with pytest.raises(slamdb.UsageError):
             store.gc(**wrong)

@@ -223,6 +223,21 @@ def test_merge_of_continuations_is_the_commands(arguments, options, session, com
         slamdb.merge(ours, theirs, base=base, align=True)
 
 
+def test_branches_of_a_store_name_their_base(tmp_path, session):
+    store = slamdb.Store(tmp_path / "s.db")
+    atlas = slamdb.read(session)
+    store.save("lab", atlas)
+    store.branch("lab", "robot")
+    atlas.maps[0].points.positions[0] += 1
+    store.save("robot", atlas, overwrite=True)
+    lab, robot = f"{tmp_path}/s.db#lab", f"{tmp_path}/s.db#robot"
+    with pytest.warns(slamdb.SlamdbWarning, match="base='.*s.db#lab@1' merges them three ways"):
+        both, _ = slamdb.merge(lab, robot)
+    assert len(both.maps) == 2
+    merged, _ = slamdb.merge(lab, robot, base=f"{lab}@1")
+    assert len(merged.maps) == 1
+
+
 def test_merge_refuses_what_does_not_overlap(session):
     rooms = slamdb.synthesize(maps=2, keyframes=10, points=400, look_alike=True)
     with pytest.raises(slamdb.NotPossibleError, match="no map could be aligned"):

@@ -3,8 +3,10 @@
 // The verbs that bring atlases together and change their ids.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "slamdb/view/page.h"
 #include "tests/cli/json_schema.h"
 #include "tests/support/cli.h"
 
@@ -216,6 +218,40 @@ TEST_F(MergeContinuations, JsonFollowsTheSchema) {
   EXPECT_EQ(report.at("branches").at("geometry"), "ours");
   EXPECT_EQ(report.at("branches").at("ledgers").at("keyframes").at("deleted_by_theirs"), 1);
   EXPECT_EQ(report.at("result").at("keyframes"), 9);
+}
+
+TEST_F(MergeContinuations, ConflictsAreShownInPlace) {
+  if (!HasViewPage()) GTEST_SKIP() << "built without esbuild";
+  for (const auto& [name, keyframes] :
+       {std::pair("base", "0,1,2,3,4,5,6,7"), std::pair("ours", "0,1,2,3,4,5,6,7,8,9,10"),
+        std::pair("theirs", "0,1,2,3,5,6,7,11,12,13")}) {
+    const ProcessResult made = RunSlamdb({"extract", SLAMDB_FIXTURES "/session_small_a/session_small_a.osa",
+                                          At(name + std::string(".osa")), "--keyframe", keyframes, "-O"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+  const ProcessResult merged = RunSlamdb(Words({"--json"}));
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  const std::size_t conflicts = json::parse(merged.out).at("branches").at("conflicts").size();
+  ASSERT_GT(conflicts, 0U);
+  WriteWholeFile(At("merge.json"), merged.out);
+  const auto view = [&](const std::string& atlas, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"view", At(atlas),    "--findings", At("merge.json"),
+                                      "-o",   At("x.html"), "-O",         "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return RunSlamdb(words);
+  };
+  const ProcessResult shown = view("out.osa");
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_EQ(json::parse(shown.out).at("findings"), conflicts);
+  EXPECT_EQ(shown.err, "");
+  std::filesystem::copy_file(SLAMDB_FIXTURES "/tiny/tiny.osa", At("tiny.osa"));
+  EXPECT_THAT(view("tiny.osa").err, HasSubstr("is the report of another atlas?"));
+  EXPECT_EQ(view("out.osa", {At("2.osa")}).exit_code, 2);
+  EXPECT_EQ(view("out.osa", {"--no-check"}).exit_code, 2);
+  WriteWholeFile(At("merge.json"), "{}");
+  const ProcessResult none = view("out.osa");
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("merge.json: is not a report of a check or a merge"));
 }
 
 TEST_F(MergeContinuations, AnUntouchedSideLeavesTheOtherToTheByte) {

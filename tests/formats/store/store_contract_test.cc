@@ -223,6 +223,108 @@ TEST_P(StoreContract, WhatIsTheSameIsTheBaseWhoeverSavedIt) {
   EXPECT_EQ(store.CommonBase("lab", "robot")->hash, HashOf(SoundAtlas()));
 }
 
+// What was restored was made of what it was restored from, and not of what it took the place of; both stay.
+TEST_P(StoreContract, WhatWasTakenBackIsNoBase) {
+  Atlas atlas = SoundAtlas();
+  const auto next = [&] {
+    atlas.maps[0].points[0].position.x() += 1;
+    return atlas;
+  };
+  Save(atlas, "lab");
+  Store store = Writer();
+  store.Save("lab", next());
+  store.Branch("lab", "taken_back");
+  store.Restore("lab@1");
+  store.Branch("lab", "robot");
+  store.Save("robot", next());
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(store.CommonBase("taken_back", "robot"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
+    EXPECT_EQ(store.CommonBase("lab", "taken_back"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
+    store.GiveUp({.keep = 1});
+  }
+  EXPECT_EQ(store.Log("lab").back().from->ToString(), "lab@1");
+}
+
+// A restored revision is one also in the branch that a sync made of it, and a merge of an earlier one is none.
+TEST_P(StoreContract, RestoredIsWhatIsAgainWhatItWasMadeOf) {
+  Atlas atlas = SoundAtlas();
+  const auto next = [&] {
+    atlas.maps[0].points[0].position.x() += 1;
+    return atlas;
+  };
+  const Atlas first = atlas;
+  Save(first, "lab");
+  Store store = Writer();
+  store.Save("lab", next());
+  store.Branch("lab", "lab-of-robot");
+  store.Save("lab-of-robot", first, {.from = RevisionName{"lab", 1, HashOf(first)}});
+  store.Save("lab-of-robot", next());
+  store.Save("lab", next());
+  EXPECT_EQ(store.CommonBase("lab", "lab-of-robot")->ToString(), "lab@1");
+
+  Save(first, "hall");
+  store.Save("hall", next());
+  store.Restore("hall@1");
+  const Atlas line = next();
+  store.Save("hall", line);
+  store.Branch("hall", "robot");
+  store.Save("hall", next(), {.from = store.FindRevision("hall@2")});
+  store.Save("hall", next());
+  store.Save("robot", next());
+  EXPECT_EQ(store.CommonBase("hall", "robot")->hash, HashOf(line));
+}
+
+// As of every night: what was taken back goes, and with it what that had been restored from.
+TEST_P(StoreContract, OfWhatWasRestoredOftenOnlyTheLastStays) {
+  Atlas atlas = SoundAtlas();
+  Save(atlas, "lab");
+  atlas.maps[0].points[0].position.x() += 1;
+  Store store = Writer();
+  store.Save("lab", atlas);
+  for (int i = 1; i < 6; ++i) store.Restore("lab@" + std::to_string(i));
+  store.GiveUp({.keep = 1});
+  std::vector<std::uint64_t> numbers;
+  for (const RevisionChain& chain : store.Chains({}))
+    for (const RevisionChain::Link& link : chain.links) numbers.push_back(link.number);
+  EXPECT_THAT(numbers, ElementsAre(1, 3, 5, 7));
+  ExpectHolds("lab", SoundAtlas());
+}
+
+// Of what is called by one name after the other, and of what others are copies of, nothing is a base.
+TEST_P(StoreContract, OneContentAloneIsNoBase) {
+  const Atlas hall = SoundAtlas(), corridor = OddAtlas();
+  Store store = Writer();
+  store.Save("today", corridor);
+  store.Save("today", hall);
+  store.Save("corridor", corridor);
+  store.Save("hall", hall);
+  for (const auto& [one, other] : {std::pair("hall", "corridor"), {"today", "corridor"}, {"hall", "today"}}) {
+    EXPECT_EQ(store.CommonBase(one, other), std::nullopt) << one << other;
+    EXPECT_EQ(store.CommonBase(other, one), std::nullopt) << one << other;
+  }
+}
+
+// Whatever others have of it, and however they are called.
+TEST_P(StoreContract, CopiesOfWhatIsBetweenChangeNoBase) {
+  Atlas atlas = SoundAtlas();
+  const auto next = [&] {
+    atlas.maps[0].points[0].position.x() += 1;
+    return atlas;
+  };
+  Store store = Writer();
+  store.Save("lab", atlas);
+  store.Branch("lab", "zrobot");
+  const Atlas second = next();
+  store.Save("backup", second);
+  store.Save("lab", second);
+  store.Branch("lab", "alpha");
+  store.Save("alpha", SoundAtlas());
+  store.Save("lab", next());
+  store.Save("zrobot", next());
+  EXPECT_EQ(store.CommonBase("lab", "zrobot"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
+  EXPECT_EQ(store.CommonBase("zrobot", "lab"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
+}
+
 TEST_P(StoreContract, GivesUpNeitherWhatABranchComesFromNorForOneRevision) {
   const Atlas first = SoundAtlas();
   Atlas atlas = first;

@@ -8,6 +8,7 @@
 #include "slamdb/formats/postgresql/detail/partition.h"
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
+#include "slamdb/formats/rows/detail/ancestry.h"
 
 namespace slamdb::postgresql {
 namespace {
@@ -56,15 +57,16 @@ std::int64_t NumberIn(Connection& connection, const Named& newest, std::string_v
 // The numbers that stay, ascending.
 std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, const GiveUpOptions& options) {
   const Result found = connection.Query(
-      Concat("SELECT number, ", TextOfTime("at"),
-             ", from_hash IS NOT NULL OR number IN (SELECT number FROM tag WHERE atlas = $1) OR EXISTS (SELECT 1 FROM "
-             "revision AS other WHERE other.from_atlas = $2 AND other.from_number = revision.number AND "
-             "other.from_hash = revision.hash) FROM revision JOIN history ON history.row = history WHERE "
-             "revision.atlas = $1 ORDER BY number"),
+      Concat(
+          "SELECT number, ", TextOfTime("at"),
+          ", coalesce(from_atlas <> $2, false) OR number IN (SELECT number FROM tag WHERE atlas = $1) OR EXISTS "
+          "(SELECT 1 FROM revision AS other WHERE other.from_atlas = $2 AND other.from_number = revision.number AND "
+          "other.from_hash = revision.hash AND other.atlas <> $1), CASE WHEN from_atlas = $2 THEN from_number ELSE 0 "
+          "END FROM revision JOIN history ON history.row = history WHERE revision.atlas = $1 ORDER BY number"),
       {atlas.atlas, atlas.name}, "table revision");
   std::vector<rows::KeptRevision> all;
   for (std::size_t i = 0; i < found.rows(); ++i)
-    all.push_back({found[i].Integer(0), std::string(found[i].Text(1)), found[i].Integer(2) != 0});
+    all.push_back({found[i].Integer(0), std::string(found[i].Text(1)), found[i].Integer(2) != 0, found[i].Integer(3)});
   return rows::KeptOf(all, options);
 }
 
@@ -122,6 +124,16 @@ GivenUpRows CountAllBut(Connection& connection, std::int64_t atlas, const std::v
 void DeleteRevisionsBut(Connection& connection, std::int64_t atlas, const std::vector<std::int64_t>& kept) {
   connection.Query("DELETE FROM revision WHERE atlas = $1 AND number <> ALL ($2::bigint[])", {atlas, std::span(kept)},
                    "table revision");
+}
+
+// Tells what goes. Returns what stays; nothing where all does.
+std::vector<std::int64_t> PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptions& options,
+                                     GiveUpReport& report) {
+  std::vector<std::int64_t> gone, kept = KeptOf(connection, atlas, options);
+  std::ranges::set_difference(NumbersOf(connection, atlas.atlas), kept, std::back_inserter(gone));
+  report.atlases.push_back({atlas.name, {gone.begin(), gone.end()}, kept.size()});
+  if (gone.empty()) kept.clear();
+  return kept;
 }
 
 }  // namespace
@@ -216,16 +228,6 @@ void RemoveTag(Connection& connection, const Named& named, const std::string& ta
       connection.Query("DELETE FROM tag WHERE atlas = $1 AND name = $2", {named.atlas, tag}, "table tag");
   if (removed.changed() == 0)
     throw rows::NoSuchTag(connection.path(), named.name, tag, TagsOf(connection, named.atlas));
-}
-
-// Tells what goes. Returns what stays; nothing where all does.
-std::vector<std::int64_t> PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptions& options,
-                                     GiveUpReport& report) {
-  std::vector<std::int64_t> gone, kept = KeptOf(connection, atlas, options);
-  std::ranges::set_difference(NumbersOf(connection, atlas.atlas), kept, std::back_inserter(gone));
-  report.atlases.push_back({atlas.name, {gone.begin(), gone.end()}, kept.size()});
-  if (gone.empty()) kept.clear();
-  return kept;
 }
 
 void TellGiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, GiveUpReport& report) {

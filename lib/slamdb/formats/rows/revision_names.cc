@@ -5,9 +5,6 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <deque>
-#include <iterator>
-#include <map>
 #include <set>
 
 #include "slamdb/base/detail/concat.h"
@@ -153,86 +150,16 @@ std::vector<std::int64_t> KeptOf(const std::vector<KeptRevision>& all, const Giv
   const std::string since = options.keep_days ? DaysAgo(*options.keep_days) : std::string("9999");
   const std::uint64_t last = std::min<std::uint64_t>(std::max<std::uint64_t>(options.keep.value_or(1), 1), all.size());
   std::vector<std::int64_t> kept;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (i + last >= all.size() || all[i].at >= since || all[i].is_needed) kept.push_back(all[i].number);
+  std::set<std::int64_t> sources;  // of what stays
+  for (std::size_t i = all.size(); i-- > 0;) {
+    const KeptRevision& each = all[i];
+    const bool is_newest = i + last >= all.size() || each.at >= since;
+    if (!is_newest && !each.is_needed && !sources.contains(each.number)) continue;
+    kept.push_back(each.number);
+    sources.insert(each.restored_from);
+  }
+  std::ranges::reverse(kept);
   return kept;
-}
-
-namespace {
-
-// Which contents those of a store were made of. Revisions of one content, of one atlas or of several, are one: as they
-// come of a restore, of a copy, or of a store that another one was synchronized with.
-class Ancestry {
- public:
-  explicit Ancestry(const std::vector<RevisionOf>& all) {
-    const RevisionOf* before = nullptr;
-    for (const RevisionOf& each : all) {
-      const bool is_next = before != nullptr && before->atlas == each.atlas;
-      by_number_[{each.atlas, each.number}] = each.hash;
-      const auto [node, is_new] = nodes_.try_emplace(each.hash);
-      if (is_new || each.history < node->second.first->history)
-        node->second = {&each, is_next ? std::optional(before->hash) : std::nullopt};
-      before = &each;
-    }
-  }
-
-  // The content of a revision and all that it was made of, nearest first.
-  std::vector<std::int64_t> Of(const Named& named) const {
-    std::vector<std::int64_t> all;
-    std::set<std::int64_t> seen;
-    std::deque<std::int64_t> waiting;
-    const auto self = by_number_.find({named.name, named.number});
-    if (self != by_number_.end()) waiting.push_back(self->second);
-    while (!waiting.empty()) {
-      const std::int64_t next = waiting.front();
-      waiting.pop_front();
-      if (!seen.insert(next).second) continue;
-      std::ranges::copy(ParentsOf(next), std::back_inserter(waiting));
-      all.push_back(next);
-    }
-    return all;
-  }
-  // As the first revision with that content was made.
-  std::vector<std::int64_t> ParentsOf(std::int64_t content) const {
-    const Node& node = nodes_.at(content);
-    std::vector<std::int64_t> parents;
-    if (node.before) parents.push_back(*node.before);
-    if (const auto& from = node.first->from) {
-      const auto hash = static_cast<std::int64_t>(from->hash);
-      if (nodes_.contains(hash) && hash != content) parents.push_back(hash);
-    }
-    return parents;
-  }
-  RevisionName NameOf(std::int64_t content) const {
-    const RevisionOf& first = *nodes_.at(content).first;
-    return {first.atlas, static_cast<std::uint64_t>(first.number), static_cast<std::uint64_t>(first.hash)};
-  }
-
- private:
-  struct Node {
-    const RevisionOf* first = nullptr;
-    std::optional<std::int64_t> before;  // the content of its atlas before
-  };
-  std::map<std::pair<std::string, std::int64_t>, std::int64_t> by_number_;
-  std::map<std::int64_t, Node> nodes_;  // by content
-};
-
-}  // namespace
-
-std::optional<RevisionName> CommonBase(const std::vector<RevisionOf>& all, const Named& first, const Named& second) {
-  const Ancestry ancestry(all);
-  const std::vector<std::int64_t> others = ancestry.Of(second);
-  const std::set<std::int64_t> of_second(others.begin(), others.end());
-  std::vector<std::int64_t> common;
-  for (const std::int64_t each : ancestry.Of(first))
-    if (of_second.contains(each)) common.push_back(each);
-  if (common.empty()) return std::nullopt;
-  // What a common one was made of is common, too, and lies behind it.
-  std::set<std::int64_t> behind;
-  for (const std::int64_t each : common)
-    std::ranges::copy(ancestry.ParentsOf(each), std::inserter(behind, behind.end()));
-  const auto base = std::ranges::find_if(common, [&](std::int64_t each) { return !behind.contains(each); });
-  return ancestry.NameOf(base == common.end() ? common.front() : *base);
 }
 
 }  // namespace slamdb::rows

@@ -14,15 +14,21 @@ void CountUnchanged(const Atlas& atlas, ChangeCounter& changes) {
   }
 }
 
-TableChanges TotalOf(const ChangeCounter& changes) {
-  TableChanges total;
-  for (const TableChanges& each : changes.Take()) {
-    total.inserted += each.inserted;
-    total.updated += each.updated;
-    total.deleted += each.deleted;
-    total.unchanged += each.unchanged;
+TableChanges TotalOf(const ChangeCounter& changes) { return SaveReport{.tables = changes.Take()}.Total(); }
+
+}  // namespace slamdb::rows
+
+namespace slamdb {
+
+TableChanges SaveReport::Total() const {
+  TableChanges total{.table = "total"};
+  for (const TableChanges& changes : tables) {
+    total.inserted += changes.inserted;
+    total.updated += changes.updated;
+    total.deleted += changes.deleted;
+    total.unchanged += changes.unchanged;
   }
   return total;
 }
 
-}  // namespace slamdb::rows
+}  // namespace slamdb

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "slamdb/base/detail/concat.h"
+#include "slamdb/formats/rows/detail/ancestry.h"
 #include "slamdb/formats/sqlite/detail/pictures.h"
 
 namespace slamdb::sqlite {
@@ -55,11 +56,13 @@ std::int64_t NumberIn(Database& database, const Named& newest, std::string_view 
   return select.Integer(0);
 }
 
-// What others were made of besides the revision before them: name of the atlas, number, hash.
+// What revisions of other atlases were made of: name of the atlas, number, hash.
 using Sources = std::set<std::tuple<std::string, std::int64_t, std::int64_t>>;
 
 Sources SourcesIn(Database& database) {
-  Statement select(database, "SELECT from_atlas, from_number, from_hash FROM revision WHERE from_atlas IS NOT NULL",
+  Statement select(database,
+                   "SELECT from_atlas, from_number, from_hash FROM revision JOIN atlas ON atlas.row = revision.atlas "
+                   "WHERE from_atlas <> name",
                    "table revision");
   Sources sources;
   while (select.Step()) sources.emplace(select.Text(0), select.Integer(1), select.Integer(2));
@@ -71,14 +74,15 @@ std::vector<std::int64_t> KeptOf(Database& database, const Named& atlas, const S
                                  const GiveUpOptions& options) {
   Statement select(
       database,
-      "SELECT number, at, from_hash IS NOT NULL OR number IN (SELECT number FROM tag WHERE atlas = ?1), history.hash "
-      "FROM revision JOIN history ON history.row = history WHERE revision.atlas = ?1 ORDER BY number",
+      "SELECT number, at, coalesce(from_atlas <> ?2, 0) OR number IN (SELECT number FROM tag WHERE atlas = ?1), "
+      "history.hash, iif(from_atlas = ?2, from_number, 0) FROM revision JOIN history ON history.row = history WHERE "
+      "revision.atlas = ?1 ORDER BY number",
       "table revision");
-  select.Bind(1, atlas.atlas);
+  select.Bind(1, atlas.atlas).BindText(2, atlas.name);
   std::vector<rows::KeptRevision> all;
   while (select.Step()) {
     const bool is_source = sources.contains({atlas.name, select.Integer(0), select.Integer(3)});
-    all.push_back({select.Integer(0), select.Text(1), select.Integer(2) != 0 || is_source});
+    all.push_back({select.Integer(0), select.Text(1), select.Integer(2) != 0 || is_source, select.Integer(4)});
   }
   return rows::KeptOf(all, options);
 }
@@ -266,11 +270,15 @@ GiveUpReport GiveUp(Database& database, const std::string& atlas, const GiveUpOp
 }
 
 std::optional<RevisionName> FindBase(Database& database, const Named& first, const Named& second) {
+  // Of the two, and of all that these were made of.
   Statement select(
       database,
-      "SELECT name, number, history.hash, history, from_atlas, from_number, from_hash FROM revision JOIN atlas ON "
-      "atlas.row = revision.atlas JOIN history ON history.row = history ORDER BY name, number",
+      "WITH RECURSIVE family (name) AS (SELECT ?1 UNION SELECT ?2 UNION SELECT from_atlas FROM family JOIN atlas USING "
+      "(name) JOIN revision ON revision.atlas = atlas.row WHERE from_atlas IS NOT NULL) SELECT name, number, "
+      "history.hash, history, from_atlas, from_number, from_hash FROM family JOIN atlas USING (name) JOIN revision ON "
+      "revision.atlas = atlas.row JOIN history ON history.row = history ORDER BY name, number",
       "table revision");
+  select.BindText(1, first.name).BindText(2, second.name);
   std::vector<rows::RevisionOf> all;
   while (select.Step()) {
     rows::RevisionOf& each = all.emplace_back();

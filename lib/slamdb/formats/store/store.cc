@@ -13,17 +13,6 @@
 
 namespace slamdb {
 
-TableChanges SaveReport::Total() const {
-  TableChanges total{.table = "total"};
-  for (const TableChanges& changes : tables) {
-    total.inserted += changes.inserted;
-    total.updated += changes.updated;
-    total.deleted += changes.deleted;
-    total.unchanged += changes.unchanged;
-  }
-  return total;
-}
-
 Store::Store(std::unique_ptr<detail::StoreBackend> backend) : backend_(std::move(backend)) {}
 Store::~Store() = default;
 Store::Store(Store&&) noexcept = default;
@@ -99,6 +88,7 @@ SaveReport Store::Restore(const std::string& name, const SaveOptions& options) {
                                "': say which other one, as ", path(), "#", named.name, "@-1"));
   SaveOptions how = options;
   if (how.provenance.empty()) how.provenance = detail::Concat("restore ", named.name, "@", named.number);
+  how.from = backend_->NameOf(named);
   return Save(named.name, Load(detail::Concat(named.name, "@", named.number), {.threads = options.threads}), how);
 }
 

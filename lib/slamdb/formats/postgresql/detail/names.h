@@ -36,8 +36,6 @@ std::optional<RevisionName> CommonBase(Connection& connection, const Named& firs
 void SetTag(Connection& connection, const Named& named, const std::string& tag);
 void RemoveTag(Connection& connection, const Named& named, const std::string& tag);
 
-// Which revisions of an atlas Store::GiveUp gives up, ascending.
-GivenUp PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptions& options);
 // Adds to the report what GiveUp would.
 void TellGiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, GiveUpReport& report);
 // Gives them up, and adds to the report; inside the caller's transaction. What only they have is left where it is on

@@ -77,23 +77,11 @@ std::int64_t NextNumber(const std::string& path, const std::optional<Recorded>& 
 // Which of an atlas' revisions GiveUp leaves.
 struct KeptRevision {
   std::int64_t number = 0;
-  std::string at;          // saved
-  bool is_needed = false;  // by a tag, a branch or a merge
+  std::string at;                  // saved
+  bool is_needed = false;          // by a tag, a branch or a merge
+  std::int64_t restored_from = 0;  // an earlier one of the same atlas, which stays with it; 0: it was not
 };
 // The numbers that stay, ascending, as `all` does.
 std::vector<std::int64_t> KeptOf(const std::vector<KeptRevision>& all, const GiveUpOptions& options);
-
-// ---- ancestry
-
-// A revision and what it was made of, as a store tells them.
-struct RevisionOf {
-  std::string atlas;
-  std::int64_t number = 0, hash = 0;
-  std::int64_t history = 0;          // when it came into the store: greater is later
-  std::optional<RevisionName> from;  // besides the one before it
-};
-// The newest revision that both come from; `all`: of all atlases that may be asked for, by atlas and number.
-// Revisions of one content are one, the one that came first.
-std::optional<RevisionName> CommonBase(const std::vector<RevisionOf>& all, const Named& first, const Named& second);
 
 }  // namespace slamdb::rows
