@@ -34,7 +34,7 @@ class Lines {
 
   void Print(const SyncedAtlas& atlas) {
     Warn(atlas);
-    if (atlas.result == SyncResult::kFailed) console_.Fail(InCommandWords(atlas.failure));
+    if (atlas.result == SyncResult::kFailed) console_.Fail("'" + atlas.name + "': " + InCommandWords(atlas.failure));
     const std::string what = WhatOf(atlas);
     if (options_.json || console_.quiet() || what.empty()) return;
     console_.Print(detail::Visible(atlas.name) + ": " + what + "\n");
@@ -61,13 +61,14 @@ class Lines {
                     " has revisions in each store that the other lacks, and stays as it is in both: --diverged "
                     "branch brings those of " +
                     first_ + " to " + second_ + " under another name");
-    if (atlas.result == SyncResult::kBranched)
+    if (atlas.result == SyncResult::kBranched && !options_.sync.dry_run)
       console_.Note(name + " has revisions in each store that the other lacks: 'slamdb merge " + second_ + "#" +
                     atlas.name + " " + second_ + "#" + atlas.branch + "' makes one of them");
     for (const SyncedAtlas::Conflict& conflict : atlas.conflicts)
       console_.Warn("the tag '" + conflict.tag + "' of " + name + " is revision " + std::to_string(conflict.first) +
                     " in " + first_ + " and another one, " + std::to_string(conflict.second) + ", in " + second_ +
-                    ": both stay");
+                    ": both stay; 'slamdb tag STORE#" + atlas.name + " " + conflict.tag +
+                    " --remove' in one of them, and the next sync brings the other's");
   }
 
   const SyncVerbOptions& options_;
@@ -75,13 +76,19 @@ class Lines {
   const std::string first_, second_;
 };
 
-// `3 copied, 1 diverged, 20 same`.
-std::string Summary(const SyncReport& report) {
+// Whether that is something that a sync does, and does not find.
+bool IsDone(SyncResult result) { return result == SyncResult::kCopied || result == SyncResult::kBranched; }
+
+// `3 copied, 1 diverged, 20 same`; of a dry run `3 would be copied, ...`.
+std::string Summary(const SyncReport& report, bool dry_run) {
   std::string text;
   for (const SyncResult result : {SyncResult::kCopied, SyncResult::kAhead, SyncResult::kDiverged, SyncResult::kBranched,
                                   SyncResult::kFailed, SyncResult::kSame})
     if (const std::uint64_t count = report.Count(result); count > 0)
-      text += (text.empty() ? "" : ", ") + Grouped(count) + " " + std::string(NameOf(result));
+      text += (text.empty() ? "" : ", ") + Grouped(count) + " " + (dry_run && IsDone(result) ? "would be " : "") +
+              std::string(NameOf(result));
+  if (const std::uint64_t tags = report.Conflicts(); tags > 0)
+    text += (text.empty() ? "" : ", ") + Counted(tags, "tag") + " in conflict";
   return (text.empty() ? "no atlases" : text) + "\n";
 }
 
@@ -102,7 +109,7 @@ ExitCode RunSync(const SyncVerbOptions& options, Console& console) {
     if (options.json)
       console.PrintData(ReportInCommandWords(ToJson(report)));
     else if (!console.quiet())
-      console.Print(Summary(report));
+      console.Print(Summary(report, options.sync.dry_run));
   };
   sync.on_stopped = [&](const SyncReport& report) {
     const bool did_any = report.same > 0 || !report.atlases.empty();

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <set>
 
+#include "slamdb/formats/postgresql/fleet.h"
 #include "slamdb/formats/store/store.h"
 #include "slamdb/model/digest.h"
 #include "slamdb/synthetic/synthesize.h"
@@ -320,6 +321,16 @@ TEST_P(DivergedTest, BecomesABranchThatCanBeMerged) {
   ExpectNothingToDo();
 }
 
+// To go back is to go on.
+TEST_P(DivergedTest, ARestoredRevisionIsNotTakenForTheOldOne) {
+  Store store = Writer(first_);
+  store.Restore("a@1");
+  const auto first = LogOf(first_, "a"), second = LogOf(second_, "a");
+  EXPECT_THAT(Told(Sync()), ElementsAre("diverged a"));
+  EXPECT_EQ(LogOf(first_, "a"), first);
+  EXPECT_EQ(LogOf(second_, "a"), second);
+}
+
 TEST_P(DivergedTest, ABranchOfThatNameIsNotSavedOver) {
   const std::string who = Store::Open(first_).Log("a").back().who;
   const std::string branch = "a-of-" + who.substr(who.find('@') + 1);
@@ -540,6 +551,37 @@ TEST(SyncWithServer, RetriesWhenTheConnectionIsLost) {
   server.Start();
   EXPECT_EQ(with_loss(3).Count(SyncResult::kCopied), 2U);  // one was copied before
   EXPECT_THAT(Store::Open(uri).Names(), ElementsAre("a0", "a1", "a2"));
+}
+
+// What a server of a fleet has is not brought while it is down, and everything else is.
+TEST(SyncOfAFleet, OneServerDownTakesItsAtlasesAlone) {
+  if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "postgresql is not installed";
+  PostgresqlServer own, other;
+  const std::string fleet = own.Uri(own.MakeDatabase());
+  InitFleet(fleet, 4, std::vector<std::string>{other.Uri(other.MakeDatabase())});
+  const std::string moved = own.Uri(own.MakeDatabase());
+  MovePartition(fleet, 0, moved);
+  MovePartition(fleet, 2, moved);
+  TemporaryFolder folder;
+  const std::string file = folder / "robot.db";
+  constexpr int kAtlases = 6;
+  for (int i = 0; i < kAtlases; ++i)
+    Store::OpenForWriting(file, {.sync = false}).Save("a" + std::to_string(i), Made(static_cast<std::uint64_t>(i + 1)));
+  SyncStores(file, fleet, {});
+  other.Kill();
+  ASSERT_FALSE(ReadFleet(fleet).ok());
+  const std::string copy = folder / "copy.db";
+  const SyncReport home = SyncStores(fleet, copy, {});
+  EXPECT_GT(home.Count(SyncResult::kFailed), 0U);
+  EXPECT_GT(home.Count(SyncResult::kCopied), 0U);
+  EXPECT_EQ(home.Count(SyncResult::kFailed) + home.Count(SyncResult::kCopied), 6U);
+  for (const SyncedAtlas& atlas : home.atlases)
+    if (atlas.result == SyncResult::kFailed) {
+      EXPECT_THAT(atlas.failure, HasSubstr("another server"));
+    }
+  other.Start();
+  EXPECT_EQ(SyncStores(fleet, copy, {}).Count(SyncResult::kFailed), 0U);
+  EXPECT_EQ(Store::Open(copy).Names().size(), 6U);
 }
 
 }  // namespace

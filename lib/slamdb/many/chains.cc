@@ -2,8 +2,9 @@
 #include "slamdb/many/detail/chains.h"
 
 #include <algorithm>
-#include <optional>
-#include <unordered_set>
+#include <compare>
+#include <tuple>
+#include <unordered_map>
 #include <utility>
 
 namespace slamdb::detail {
@@ -11,53 +12,64 @@ namespace {
 
 using Link = RevisionChain::Link;
 
-// Where the newest revision of one chain is in another.
-struct Found {
-  bool is_exact = false;    // number and hash
-  std::size_t missing = 0;  // the first link behind it
+// How many links of each chain are of one line.
+struct Split {
+  std::size_t first = 0, second = 0;
 };
 
-std::optional<Found> FindNewest(const std::vector<Link>& of, const std::vector<Link>& in) {
-  if (of.empty()) return Found{.is_exact = true, .missing = 0};
-  const Link& newest = of.back();
-  std::optional<Found> by_hash, by_from;
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    if (in[i].hash == newest.hash && in[i].number == newest.number) return Found{.is_exact = true, .missing = i + 1};
-    if (in[i].hash == newest.hash) by_hash = Found{.missing = i + 1};
-    if (!by_from && in[i].from_hash != 0 && in[i].from_hash == newest.hash) by_from = Found{.missing = i};
+// Behind the last link that both have by number and hash.
+Split SplitByNumber(const std::vector<Link>& first, const std::vector<Link>& second) {
+  Split split;
+  for (std::size_t i = 0, j = 0; i < first.size() && j < second.size();) {
+    const auto order = first[i].number <=> second[j].number;
+    if (order == 0 && first[i].hash == second[j].hash) split = {i + 1, j + 1};
+    i += order <= 0 ? 1 : 0;
+    j += order >= 0 ? 1 : 0;
   }
-  return by_hash ? by_hash : by_from;
+  return split;
 }
 
-// The first link of a chain behind the last that another one has, too.
-std::size_t FirstOfItsOwn(const std::vector<Link>& of, const std::vector<Link>& other) {
-  std::unordered_set<std::uint64_t> hashes;
-  for (const Link& link : other) hashes.insert(link.hash);
-  std::size_t i = of.size();
-  while (i > 0 && !hashes.contains(of[i - 1].hash)) --i;
-  return i;
+// And behind the last of one hash that both have since: that with the most before it in both, as a hash comes again
+// when a revision is restored.
+Split SplitByHash(const std::vector<Link>& first, const std::vector<Link>& second, const Split& since) {
+  std::unordered_map<std::uint64_t, std::size_t> last;  // in the second
+  for (std::size_t j = since.second; j < second.size(); ++j) last[second[j].hash] = j;
+  Split split = since;
+  for (std::size_t i = since.first; i < first.size(); ++i) {
+    const auto found = last.find(first[i].hash);
+    if (found == last.end()) continue;
+    const auto before = [&](const Split& at) { return std::min(at.first - since.first, at.second - since.second); };
+    const Split here{i + 1, found->second + 1};
+    if (before(here) >= before(split)) split = here;
+  }
+  return split;
+}
+
+// The first link from `begin` on that was made of the newest one of the other chain; the chain's size: none. What was
+// made of a content that both had before, as a restored one has it, was not made of that.
+std::size_t FirstMadeOf(const std::vector<Link>& other, const std::vector<Link>& in, std::size_t begin) {
+  const std::uint64_t hash = other.back().hash;
+  const auto common_end = in.begin() + static_cast<std::ptrdiff_t>(begin);
+  if (hash == 0 || std::ranges::find(in.begin(), common_end, hash, &Link::hash) != common_end) return in.size();
+  while (begin < in.size() && in[begin].from_hash != hash) ++begin;
+  return begin;
 }
 
 }  // namespace
 
 Compared Compare(const RevisionChain& first, const RevisionChain& second) {
   using enum Compared::State;
-  const std::optional<Found> first_in_second = FindNewest(first.links, second.links);
-  const std::optional<Found> second_in_first = FindNewest(second.links, first.links);
-  const auto leads = [](const std::optional<Found>& found, const std::optional<Found>& other) {
-    return found && (found->is_exact || !other || !other->is_exact);
-  };
-  const bool behind_second = leads(first_in_second, second_in_first),
-             behind_first = leads(second_in_first, first_in_second);
-  const auto is_newest = [](const std::optional<Found>& found, const RevisionChain& in) {
-    return found && found->missing == in.links.size();
-  };
-  if (behind_second && is_newest(first_in_second, second)) return {};
-  if (behind_first && is_newest(second_in_first, first)) return {};
-  if (behind_second != behind_first)
-    return behind_second ? Compared{kFirstBehind, first_in_second->missing}
-                         : Compared{kSecondBehind, second_in_first->missing};
-  return {kDiverged, FirstOfItsOwn(first.links, second.links)};
+  const auto& [of_first, of_second] = std::tie(first.links, second.links);
+  const Split split = SplitByHash(of_first, of_second, SplitByNumber(of_first, of_second));
+  const bool first_went_on = split.first < of_first.size(), second_went_on = split.second < of_second.size();
+  if (!first_went_on && !second_went_on) return {};
+  if (!first_went_on) return {kFirstBehind, split.second};
+  if (!second_went_on) return {kSecondBehind, split.first};
+  if (const std::size_t made = FirstMadeOf(of_first, of_second, split.second); made < of_second.size())
+    return {kFirstBehind, made};
+  if (const std::size_t made = FirstMadeOf(of_second, of_first, split.first); made < of_first.size())
+    return {kSecondBehind, made};
+  return {kDiverged, split.first};
 }
 
 std::uint64_t NumberOf(const RevisionChain& chain, const RevisionChain::Link& link) {

@@ -199,16 +199,19 @@ class Syncer {
         Bring(current_, first, second);
         break;
       } catch (const Error& error) {
-        if (EndsAll(error) && (error.kind() != ErrorKind::kLocked || attempt == kAttempts)) throw;
-        if (error.kind() != ErrorKind::kLocked) {
-          current_.result = SyncResult::kFailed;
-          current_.failure = error.what();
-          break;
-        }
-        if (!HasChanged(name, first, second)) throw;
+        const bool is_locked = error.kind() == ErrorKind::kLocked;
+        if (is_locked && attempt < kAttempts && HasChanged(name, first, second)) continue;
+        if (EndsAll(error) && !(is_locked && IsOfOneAtlas(error))) throw;
+        current_.result = SyncResult::kFailed;
+        current_.failure = error.what();
+        break;
       }
     }
     Finish();
+  }
+  // A server that answers locks atlases one by one, and may have partitions on others that do not answer.
+  bool IsOfOneAtlas(const Error& error) const {
+    return detail::IsServer(error.path()) && (waits_no_more_ || tries_ >= options_.retries);
   }
   // Reads the chains anew. Throws what it throws: the connection may be lost.
   bool HasChanged(const std::string& name, RevisionChain& first, RevisionChain& second) {
@@ -359,6 +362,7 @@ class Syncer {
   SyncedAtlas current_;                    // while it is at work on one
   std::string done_;                       // the last name that is done
   int tries_ = 0;                          // since something was copied
+  bool waits_no_more_ = false;             // for single atlases: one was waited for in vain
   std::optional<RevisionName> begins_as_;  // what the next revision that is copied is branched off
   SyncReport report_;
 };

@@ -22,8 +22,10 @@ struct Compared {
   std::size_t missing = 0;
 };
 
-// An atlas without links is not there: it is behind. The same number with the same hash goes first, then the last of
-// the same hash, then the first that was made of it besides what was before (RevisionChain::Link::from_hash).
+// An atlas without links is not there: it is behind. Both are one line up to the last link of one number and hash, and
+// from there to the last of one hash; what was restored since is new, though its hash is old. Where both went on, one
+// is behind all the same when the other was made of its newest besides what was before
+// (RevisionChain::Link::from_hash).
 Compared Compare(const RevisionChain& first, const RevisionChain& second);
 
 // The number that a revision of another store has in this one: its own, where the hash is the same, or that of the last
