@@ -33,9 +33,10 @@ CLI::Option* AddMany(CLI::App& verb, ManyOptions& options) {
 }
 
 AtlasInputs FindInputs(const ManyOptions& options, Console& console, double wait) {
-  AtlasInputs found = FindAtlases(
-      options.inputs.paths,
-      {.recursive = options.recursive, .lock_timeout = wait, .progress = console.MakeProgress(/*show=*/false)});
+  AtlasInputs found = FindAtlases(options.inputs.paths, {.recursive = options.recursive,
+                                                         .revisions = options.revisions,
+                                                         .lock_timeout = wait,
+                                                         .progress = console.MakeProgress(/*show=*/false)});
   const auto is_atlas = [](const AtlasInput& input) { return input.failure.empty(); };
   const std::string left_out = LeftOut(found.skipped);
   // Where nothing was found, the failures say so.

@@ -12,6 +12,7 @@ namespace slamdb::cli {
 struct ManyOptions {
   InputOptions inputs;
   bool recursive = false;
+  bool revisions = false;
 };
 
 // The positional FILE..., --from, and -r/--recursive.

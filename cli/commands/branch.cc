@@ -4,6 +4,7 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/revisions.h"
+#include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {
 namespace {
@@ -11,14 +12,19 @@ namespace {
 struct BranchOptions {
   RevisionOptions from;
   std::string name;
+  bool json = false;
 };
 
 ExitCode RunBranch(const BranchOptions& options, Console& console) {
   const Location location = Location::Parse(options.from.atlas);
-  Store store = OpenRevisions(options.from, console);
+  Store store = OpenToChange(location.path, options.from.wait, console);
   const RevisionName from = store.FindRevision(location.name);
-  store.Branch(location.name, options.name, {.progress = console.MakeProgress(false)});
-  if (!console.quiet()) console.Print(location.path + "#" + options.name + " begins as " + from.ToString() + "\n");
+  store.Branch(location.name, options.name, {.threads = console.threads(), .progress = console.MakeProgress(false)});
+  const std::string branch = location.path + "#" + options.name;
+  if (options.json)
+    console.PrintData(BranchAsJson(from, options.from.atlas, branch));
+  else if (!console.quiet())
+    console.Print(branch + " begins as " + from.ToString() + "\n");
   return ExitCode::kDone;
 }
 
@@ -26,6 +32,7 @@ Run AddBranch(CLI::App& verb) {
   const auto options = std::make_shared<BranchOptions>();
   AddRevision(verb, options->from, "The atlas to begin as, or a revision of it");
   verb.add_option("NAME", options->name, "What the branch is called in the store")->type_name("NAME")->required();
+  AddJson(verb, options->json);
   return [options](Console& console) { return RunBranch(*options, console); };
 }
 

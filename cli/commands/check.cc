@@ -146,6 +146,7 @@ ExitCode RunCheck(const CheckVerbOptions& options, Console& console) {
 Run AddCheck(CLI::App& verb) {
   const auto options = std::make_shared<CheckVerbOptions>();
   AddMany(verb, options->many)->required(false);
+  verb.add_flag("--revisions", options->many.revisions, "Of atlases in stores every revision, not only the newest");
   verb.add_option("--format", options->format, "How to report; markdown is the table of --list for pages")
       ->type_name("FORMAT")
       ->check(CLI::IsMember({"text", "json", "junit", "sarif", "markdown"}))

@@ -57,11 +57,7 @@ std::vector<HistoryEntry> EntriesOf(const Location& location, double wait) {
   Store store = Store::Open(location.path, wait);
   std::vector<HistoryEntry> entries = store.Log(location.name);
   if (!entries.empty() || location.name.empty()) return entries;
-  const RevisionName revision = store.FindRevision(location.name);
-  entries = store.Log(revision.atlas);
-  std::erase_if(entries,
-                [&](const HistoryEntry& entry) { return entry.revision != revision.number || !entry.readable; });
-  return entries;
+  return {store.LogOf(store.FindRevision(location.name))};
 }
 
 ExitCode RunLog(const LogOptions& options, Console& console) {

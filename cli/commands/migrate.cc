@@ -3,14 +3,14 @@
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
-#include "slamdb/formats/store/store.h"
+#include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {
 namespace {
 
 struct MigrateVerbOptions {
   StoreVerbOptions store;
-  bool back = false, dry_run = false, no_backup = false;
+  bool back = false, dry_run = false, no_backup = false, json = false;
 };
 
 ExitCode RunMigrate(const MigrateVerbOptions& options, Console& console) {
@@ -19,6 +19,11 @@ ExitCode RunMigrate(const MigrateVerbOptions& options, Console& console) {
                                                                  .dry_run = options.dry_run,
                                                                  .backup = !options.no_backup && !is_server,
                                                                  .lock_timeout = options.store.wait});
+  if (options.json) {
+    const bool is_done = report.from != report.to && !options.dry_run;
+    console.PrintData(ToJson(report, options.store.path, is_done ? options.store.path : ""));
+    return ExitCode::kDone;
+  }
   if (console.quiet()) return ExitCode::kDone;
   std::string text = options.store.path + ": ";
   if (report.from == report.to) {
@@ -39,6 +44,7 @@ Run AddMigrate(CLI::App& verb) {
   verb.add_flag("-n,--dry-run", options->dry_run, "Only tell what would be done");
   verb.add_flag("--back", options->back, "Go one version back, for an earlier slamdb");
   verb.add_flag("--no-backup", options->no_backup, "Do not keep the store as it was");
+  AddJson(verb, options->json);
   return [options](Console& console) { return RunMigrate(*options, console); };
 }
 

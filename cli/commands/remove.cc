@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <exception>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
+#include "cli/revisions.h"
 #include "slamdb/base/error.h"
-#include "slamdb/formats/store/store.h"
+#include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {
 namespace {
@@ -12,6 +16,7 @@ namespace {
 struct RemoveOptions {
   std::vector<std::string> atlases;
   double wait = kUsualWait;
+  bool json = false;
 };
 
 std::string CheckName(const std::string& text) {
@@ -19,14 +24,26 @@ std::string CheckName(const std::string& text) {
   return "expected STORE.db#NAME or postgresql://USER@HOST/DATABASE#NAME, found '" + text + "'";
 }
 
+void Remove(const std::string& atlas, const RemoveOptions& options, Console& console) {
+  const Location location = Location::Parse(atlas);
+  OpenToChange(location.path, options.wait, console).Remove(location.name);
+  if (!console.quiet() && !options.json) console.Print("removed " + location.ToString() + "\n");
+}
+
+// Ends at the first that cannot be removed, and tells of those before it.
 ExitCode RunRemove(const RemoveOptions& options, Console& console) {
-  for (const std::string& text : options.atlases) {
-    const Location location = Location::Parse(text);
-    Store::Open(location.path);  // a name that is mistyped must not make a store
-    Store::OpenForWriting(location.path, {.lock_timeout = options.wait, .progress = console.MakeProgress(false)})
-        .Remove(location.name);
-    if (!console.quiet()) console.Print("removed " + location.ToString() + "\n");
+  std::vector<std::string> removed;
+  std::exception_ptr failure;
+  try {
+    for (const std::string& atlas : options.atlases) {
+      Remove(atlas, options, console);
+      removed.push_back(atlas);
+    }
+  } catch (...) {
+    failure = std::current_exception();
   }
+  if (options.json) console.PrintData(RemovedAsJson(removed));
+  if (failure) std::rethrow_exception(failure);
   return ExitCode::kDone;
 }
 
@@ -36,6 +53,7 @@ Run AddRemove(CLI::App& verb) {
       ->type_name("FILE")
       ->required()
       ->check(CheckName);
+  AddJson(verb, options->json);
   AddWait(verb, options->wait);
   return [options](Console& console) { return RunRemove(*options, console); };
 }

@@ -4,24 +4,34 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/revisions.h"
+#include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {
 namespace {
 
-ExitCode RunRestore(const RevisionOptions& options, Console& console) {
-  const Location location = Location::Parse(options.atlas);
-  Store store = OpenRevisions(options, console);
+struct RestoreOptions {
+  RevisionOptions revision;
+  bool json = false;
+};
+
+ExitCode RunRestore(const RestoreOptions& options, Console& console) {
+  const Location location = Location::Parse(options.revision.atlas);
+  Store store = OpenToChange(location.path, options.revision.wait, console);
   const RevisionName restored = store.FindRevision(location.name);
-  const SaveReport report = store.Restore(location.name, {.progress = console.MakeProgress(false)});
-  if (!console.quiet())
+  const SaveReport report =
+      store.Restore(location.name, {.threads = console.threads(), .progress = console.MakeProgress(false)});
+  if (options.json)
+    console.PrintData(RestoreAsJson(report, restored, options.revision.atlas));
+  else if (!console.quiet())
     console.Print(location.path + "#" + restored.atlas + "@" + std::to_string(report.revision) + " is " +
                   restored.ToString() + (report.unchanged ? " already\n" : " again\n"));
   return ExitCode::kDone;
 }
 
 Run AddRestore(CLI::App& verb) {
-  const auto options = std::make_shared<RevisionOptions>();
-  AddRevision(verb, *options, "The revision to go back to: NAME@3, NAME@-1, NAME@{2026-11-20}, NAME@TAG");
+  const auto options = std::make_shared<RestoreOptions>();
+  AddRevision(verb, options->revision, "The revision to go back to: NAME@3, NAME@-1, NAME@{2026-11-20}, NAME@TAG");
+  AddJson(verb, options->json);
   return [options](Console& console) { return RunRestore(*options, console); };
 }
 

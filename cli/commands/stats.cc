@@ -23,6 +23,9 @@ std::string StatsText(const StoreStats& stats, bool is_server) {
     sizes.Add({is_server ? "write-ahead log of the server" : "write-ahead log", HumanBytes(stats.log_bytes)});
   if (!is_server) sizes.Add({"free in the file", HumanBytes(stats.free_pages * stats.page_bytes)});
   sizes.Add({"schema version", std::to_string(stats.version)});
+  if (stats.partitions_elsewhere > 0)
+    sizes.Add({"not in it", Counted(stats.partitions_elsewhere, "partition") +
+                                " on other servers, of which 'slamdb fleet status' tells"});
   Table tables({kLeft, kRight, kRight}, 2);
   for (const PartSize& part : stats.tables)
     tables.Add({part.part, HumanBytes(part.bytes), Percent(part.bytes, stats.file_bytes)});

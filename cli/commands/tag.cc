@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
+#include <optional>
 
 #include "cli/commands/commands.h"
 #include "cli/options.h"
@@ -12,7 +13,7 @@ namespace {
 
 struct TagOptions {
   RevisionOptions revision;
-  std::string tag;
+  std::optional<std::string> tag;
   bool remove = false, json = false;
 };
 
@@ -34,22 +35,22 @@ ExitCode ListTags(const TagOptions& options, Console& console) {
 }
 
 ExitCode RunTag(const TagOptions& options, Console& console) {
-  if (options.tag.empty()) {
+  if (!options.tag) {
     if (options.remove) RefuseUsage("--remove needs the tag to remove");
     return ListTags(options, console);
   }
-  if (options.json) RefuseUsage("--json goes with the list of tags, which is printed where no TAG is given");
   const Location location = Location::Parse(options.revision.atlas);
-  Store store = OpenRevisions(options.revision, console);
+  Store store = OpenToChange(location.path, options.revision.wait, console);
   const RevisionName revision = store.FindRevision(location.name);
   if (options.remove)
-    store.Untag(location.name, options.tag);
+    store.Untag(location.name, *options.tag);
   else
-    store.Tag(location.name, options.tag);
+    store.Tag(location.name, *options.tag);
+  if (options.json) return ListTags(options, console);
   if (!console.quiet())
-    console.Print(options.remove
-                      ? "removed the tag " + options.tag + " of " + revision.atlas + "\n"
-                      : location.path + "#" + revision.atlas + "@" + options.tag + " is " + revision.ToString() + "\n");
+    console.Print(options.remove ? "removed the tag " + *options.tag + " of " + revision.atlas + "\n"
+                                 : location.path + "#" + revision.atlas + "@" + *options.tag + " is " +
+                                       revision.ToString() + "\n");
   return ExitCode::kDone;
 }
 

@@ -245,6 +245,8 @@ class Store:
         strict: bool = False,
         max_findings: int = 100,
         gates: Optional[Mapping[str, float]] = None,
+        revisions: bool = False,
+        journal: Optional[Path] = None,
         threads: int = 0,
         progress: Progress = None,
     ) -> CheckReport:
@@ -256,7 +258,7 @@ class Store:
             raise NotFoundError("there is no atlas to check", self._shown)
         return check(
             self._path, ignore=ignore, note=note, warn=warn, error=error, strict=strict, max_findings=max_findings,
-            gates=gates, wait=self._options[0], threads=threads, progress=progress,
+            gates=gates, revisions=revisions, journal=journal, wait=self._options[0], threads=threads, progress=progress,
         )  # fmt: skip
 
     def add(

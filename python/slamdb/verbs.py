@@ -17,6 +17,7 @@ from .report import CheckReport, Report
 def check(
     *sources: Source,
     recursive: bool = False,
+    revisions: bool = False,
     format: str = "",
     layout: Optional[Path] = None,
     ignore: Texts = (),
@@ -35,6 +36,7 @@ def check(
     """Hold every rule of docs/checks.md against atlases, files, and all that is in folders and stores.
 
     recursive: look into folders of folders, too
+    revisions: of atlases in stores every revision, not only the newest
     format, layout: of files, as `read` takes them
     ignore: rules that are left out; note, warn, error: rules of another severity than the catalogue's
     strict: warnings count as errors

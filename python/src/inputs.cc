@@ -29,6 +29,7 @@ AtlasInputs ManyInputs::Find() const {
 ManyInputs InputsOf(Arguments& given) {
   ManyInputs inputs{.sources = given.Sources("sources"), .name = given.Get<std::string>("name")};
   given.Take("recursive", inputs.options.recursive);
+  given.Take("revisions", inputs.options.revisions);
   given.Take("wait", inputs.options.lock_timeout, cli::kNonNegative);
   inputs.options.progress = given.progress();
   return inputs;

@@ -373,7 +373,7 @@ WHERE keyframe.until = 2147483647;
 CREATE VIEW v_map_point AS
 SELECT atlas.name AS atlas, map.id AS map, map_point.id AS point, map_point.x, map_point.y, map_point.z, nx, ny, nz,
        min_distance, max_distance, cardinality(seen_by) AS observations, reference, replaced_by, bad,
-       encode(descriptor, 'hex') AS descriptor, origin_map, visible_count, found_count
+       upper(encode(descriptor, 'hex')) AS descriptor, origin_map, visible_count, found_count
 FROM map_point JOIN map ON map.atlas = map_point.atlas AND map.row = map_point.map AND map.until = 2147483647
      JOIN atlas ON atlas.row = map_point.atlas WHERE map_point.until = 2147483647;
 

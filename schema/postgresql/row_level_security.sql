@@ -3,7 +3,8 @@
 -- until then. May be run again, before roles.sql and after it, and does all or nothing; ALTER TABLE ... DISABLE ROW LEVEL SECURITY takes it back.
 -- A project is a role: CREATE ROLE warehouse NOLOGIN; GRANT warehouse TO alice. Who is a member sees its atlases; those
 -- of no project are everybody's. An atlas is made in the project that its writer's `slamdb.project` names, as with
--- PGOPTIONS='-c slamdb.project=warehouse' or ALTER ROLE alice SET slamdb.project = 'warehouse'.
+-- PGOPTIONS='-c slamdb.project=warehouse' or ALTER ROLE alice SET slamdb.project = 'warehouse'; where none is named, a branch
+-- in that of what it was branched off, and all else in none, so that everybody sees it.
 -- The owner of the tables, superusers and roles with BYPASSRLS see all.
 -- Names of atlases are one for all projects: that a name is taken is not hidden. Who saves needs the right to make
 -- temporary tables (GRANT TEMPORARY ON DATABASE), which everybody has by default.

@@ -103,6 +103,32 @@ TEST_F(CheckJournalTest, WhatHasChangedIsCheckedAgain) {
   EXPECT_EQ(known, kAtlases);
 }
 
+// What it was when it was looked at, before it was read, is not what was read.
+TEST_F(CheckJournalTest, WhatChangesWhileItIsReadIsNotKnown) {
+  const std::filesystem::path file = folder_ / "map2.osa";
+  CheckAtlasesOptions changing = Journaled();
+  changing.read.threads = 1;
+  changing.read.progress = [&](std::string_view, double) {
+    std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now() + std::chrono::hours(1));
+  };
+  (void)Check(changing);
+  std::uint64_t known = 0;
+  (void)Check(Journaled(), &known);
+  EXPECT_EQ(known, kAtlases - 1);
+}
+
+TEST_F(CheckJournalTest, RevisionsAreKnownByTheirContent) {
+  WriteAtlas(Made(5), Location(folder_ / "s.db", "map1"), {.overwrite = true});
+  const std::vector<std::string> named = {folder_ / "s.db"};
+  const AtlasInputs inputs = FindAtlases(named, {.revisions = true});
+  std::vector<std::string> names;
+  for (const AtlasInput& input : inputs.atlases) names.push_back(input.location.name);
+  EXPECT_THAT(names, ::testing::ElementsAre("map1@1", "map1@2", "map3@1", "map5@1"));
+  const auto check = [&] { return CheckAtlases(inputs, Journaled(), [](Outcome<CheckReport>&&) {}); };
+  EXPECT_EQ(check(), 0U);
+  EXPECT_EQ(check(), inputs.atlases.size());
+}
+
 TEST_F(CheckJournalTest, IsOfOneCheckAlone) {
   (void)Check(Journaled());
   CheckAtlasesOptions strict = Journaled();

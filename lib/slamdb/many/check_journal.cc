@@ -150,6 +150,7 @@ void CheckJournal::Append(const std::string& text) const {
 
 std::string Contents::Of(const AtlasInput& input) {
   if (!input.failure.empty() || input.atlas) return {};
+  if (input.hash != 0) return OfHash(input.hash);
   const auto& [path, name] = input.location;
   if (!name.empty()) {
     auto store = stores_.find(path);

@@ -8,6 +8,8 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -68,8 +70,8 @@ class Finder {
   void Find(const std::string& name) {
     const Location location(name);
     if (!location.is_server() && IsFolderOfAtlases(name)) return FindInFolder(name);
-    if (HoldsNamedAtlases(location.path) && (location.name.empty() || IsPattern(location.name)))
-      return FindInStore(location, "");
+    const bool stands_for_many = location.name.empty() || IsPattern(location.name) || IsToBeUnfolded(location);
+    if (HoldsNamedAtlases(location.path) && stands_for_many) return FindInStore(location, "");
     found_.atlases.push_back({.location = location});
   }
 
@@ -86,6 +88,11 @@ class Finder {
 
   static bool IsPattern(const std::string& name) { return name.find_first_of("*?[") != std::string::npos; }
 
+  // A name without a revision, where all of them are wanted.
+  bool IsToBeUnfolded(const Location& location) const {
+    return options_.revisions && location.name.find('@') == std::string::npos;
+  }
+
   void Fail(Location location, const std::string& below, std::string failure) {
     found_.atlases.push_back(
         {.location = std::move(location), .below = below, .failure = detail::WithoutPasswords(std::move(failure))});
@@ -93,9 +100,11 @@ class Finder {
 
   // Those of a store, all or as the location's name has it.
   void FindInStore(const Location& store, const std::string& below) {
+    std::optional<Store> opened;
     std::vector<std::string> names;
     try {
-      names = Store::Open(store.path, options_.lock_timeout).Names();
+      opened = Store::Open(store.path, options_.lock_timeout);
+      names = opened->Names();
     } catch (const Error& error) {
       return Fail(store, below, error.what());
     }
@@ -109,8 +118,34 @@ class Finder {
     if (names.empty()) return Fail(store, below, store.path + ": no atlas is named like '" + store.name + "'");
     // A store tells them by their letters, which mostly is their order already.
     if (!std::ranges::is_sorted(names, detail::NaturalLess)) std::ranges::sort(names, detail::NaturalLess);
+    if (options_.revisions) try {
+        return FindRevisions(*opened, names, below);
+      } catch (const Error& error) {
+        return Fail(store, below, error.what());
+      }
     for (const std::string& name : names)
       found_.atlases.push_back({.location = Location(store.path, name), .below = below});
+  }
+
+  void FindRevisions(Store& store, const std::vector<std::string>& names, const std::string& below) {
+    const ChainQuery all;
+    const std::vector<std::string> stored = store.Names();
+    const std::set<std::string_view> all_names(stored.begin(), stored.end());
+    for (std::size_t first = 0; first < names.size(); first += all.count) {
+      const std::size_t end = std::min(names.size(), first + all.count);
+      std::map<std::string, RevisionChain> chains;
+      for (RevisionChain& chain : store.Chains({.names = {names.begin() + first, names.begin() + end}}))
+        chains.emplace(chain.name, std::move(chain));
+      for (std::size_t i = first; i < end; ++i)
+        for (const RevisionChain::Link& link : chains[names[i]].links) {
+          AtlasInput& input = found_.atlases.emplace_back();
+          input = {.location = Location(store.path(), Concat(names[i], "@", link.number)),
+                   .below = below,
+                   .hash = link.hash};
+          if (all_names.contains(input.location.name))
+            input.failure = Concat(input.location.ToString(), ": an atlas is called so, which hides the revision");
+        }
+    }
   }
 
   void FindInFolder(const std::string& folder) {

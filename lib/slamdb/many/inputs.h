@@ -21,6 +21,7 @@ struct AtlasInput {
   std::string below;    // its path from the folder that was named; empty: named itself, or in a store that was
   std::string failure;  // why the location, a folder or a store, cannot be looked into; empty: it is an atlas, as far
                         // as can be told without reading it
+  std::uint64_t hash = 0;              // HashOf (model/digest.h) it, where its store told; 0: not known
   std::shared_ptr<const Atlas> atlas;  // in memory, which CheckAtlases and WriteReports take; null: it is to be read
 };
 
@@ -40,6 +41,7 @@ struct AtlasInputs {
 
 struct FindAtlasesOptions {
   bool recursive = false;          // folders in folders, too
+  bool revisions = false;          // of atlases in stores each revision that can be read, oldest first, as `lab@2`
   std::uint64_t most = 1'000'000;  // entries of folders that are looked at
   double lock_timeout = 5;         // seconds to wait for a program that holds a store
   Progress progress;               // may be empty

@@ -90,6 +90,7 @@ struct StoreStats {
   std::uint64_t file_bytes = 0;
   std::uint64_t log_bytes = 0;   // of the write-ahead log beside the file, or of a server (0: not told to this user)
   std::vector<PartSize> tables;  // bytes per table, its indexes included; largest first
+  std::uint64_t partitions_elsewhere = 0;  // of a fleet, those on other servers, which are not in these figures
 };
 
 struct MigrateOptions {

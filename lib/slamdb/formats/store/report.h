@@ -21,6 +21,21 @@ namespace slamdb {
 [[nodiscard]] SLAMDB_EXPORT std::string TagsAsJson(std::span<const HistoryEntry> entries,
                                                    const std::string& input = {});
 
+// As schema/branch.schema.json describes it: `output` begins as `from`.
+[[nodiscard]] SLAMDB_EXPORT std::string BranchAsJson(const RevisionName& from, const std::string& input,
+                                                     const std::string& output);
+
+// As schema/restore.schema.json describes it: `restored` is the newest again.
+[[nodiscard]] SLAMDB_EXPORT std::string RestoreAsJson(const SaveReport& report, const RevisionName& restored,
+                                                      const std::string& input);
+
+// As schema/remove.schema.json describes it.
+[[nodiscard]] SLAMDB_EXPORT std::string RemovedAsJson(std::span<const std::string> inputs);
+
+// As schema/migrate.schema.json describes it. `output` empty: nothing was done.
+[[nodiscard]] SLAMDB_EXPORT std::string ToJson(const MigrateReport& report, const std::string& input,
+                                               const std::string& output);
+
 // As schema/gc.schema.json describes it.
 [[nodiscard]] SLAMDB_EXPORT std::string ToJson(const GiveUpReport& report, const std::string& input = {});
 

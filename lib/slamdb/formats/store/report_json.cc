@@ -18,6 +18,10 @@ Json JsonOf(const MapChanges& changes) {
           {"observations", {{"added", changes.observations_added}, {"removed", changes.observations_removed}}}};
 }
 
+Json JsonOf(const RevisionName& revision) {
+  return {{"name", revision.atlas}, {"revision", revision.number}, {"hash", detail::Hex(revision.hash)}};
+}
+
 Json JsonOf(const HistoryEntry& entry) {
   return {{"at", entry.at},
           {"tool", entry.tool},
@@ -38,10 +42,7 @@ Json JsonOf(const HistoryEntry& entry) {
           {"revision", entry.revision == 0 ? Json() : Json(entry.revision)},
           {"readable", entry.readable},
           {"tags", entry.tags},
-          {"from", entry.from ? Json{{"name", entry.from->atlas},
-                                     {"revision", entry.from->number},
-                                     {"hash", detail::Hex(entry.from->hash)}}
-                              : Json()},
+          {"from", entry.from ? JsonOf(*entry.from) : Json()},
           {"changes", entry.changes ? JsonOf(*entry.changes) : Json()}};
 }
 
@@ -63,6 +64,37 @@ std::string TagsAsJson(std::span<const HistoryEntry> entries, const std::string&
   return detail::JsonText(json);
 }
 
+std::string BranchAsJson(const RevisionName& from, const std::string& input, const std::string& output) {
+  Json json = detail::ReportHead("branch", {.input = input, .output = output});
+  json["from"] = JsonOf(from);
+  return detail::JsonText(json);
+}
+
+std::string RestoreAsJson(const SaveReport& report, const RevisionName& restored, const std::string& input) {
+  Json json = detail::ReportHead("restore", input);
+  json["from"] = JsonOf(restored);
+  json["name"] = restored.atlas;
+  json["revision"] = report.revision;
+  json["unchanged"] = report.unchanged;
+  return detail::JsonText(json);
+}
+
+std::string RemovedAsJson(std::span<const std::string> inputs) {
+  Json json = detail::ReportHead("remove");
+  json["inputs"] = Json::array();
+  for (const std::string& input : inputs) json["inputs"].push_back({{"input", input}});
+  return detail::JsonText(json);
+}
+
+std::string ToJson(const MigrateReport& report, const std::string& input, const std::string& output) {
+  Json json = detail::ReportHead("migrate", {.input = input, .output = output});
+  json["before"] = {{"schema_version", report.from}};
+  json["after"] = {{"schema_version", report.to}};
+  json["steps"] = report.steps;
+  json["backup"] = detail::TextOrNull(report.backup);
+  return detail::JsonText(json);
+}
+
 std::string ToJson(const GiveUpReport& report, const std::string& input) {
   Json json = detail::ReportHead("gc", input);
   json["atlases"] = Json::array();
@@ -81,6 +113,7 @@ std::string ToJson(const StoreStats& stats, const std::string& input) {
   json["pages"] = stats.pages;
   json["free_pages"] = stats.free_pages;
   json["schema_version"] = stats.version;
+  json["partitions_elsewhere"] = stats.partitions_elsewhere;
   json["tables"] = Json::array();
   for (const PartSize& part : stats.tables) json["tables"].push_back({{"table", part.part}, {"bytes", part.bytes}});
   return detail::JsonText(json);

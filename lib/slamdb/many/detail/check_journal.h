@@ -55,7 +55,7 @@ class Contents {
  public:
   explicit Contents(double lock_timeout) : lock_timeout_(lock_timeout) {}
 
-  // Empty: it is not known, as of standard input and earlier revisions.
+  // Empty: it is not known, as of standard input and earlier revisions that were named.
   std::string Of(const AtlasInput& input);
 
  private:
