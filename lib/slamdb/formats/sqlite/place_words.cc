@@ -66,6 +66,14 @@ void RebuildMap(Database& database, std::int64_t map) {
 
 }  // namespace
 
+bool HasAllPlaceWords(Database& database, std::int64_t map_row, std::span<const std::int64_t> features_hashes) {
+  std::vector<std::int64_t> stored, wanted(features_hashes.begin(), features_hashes.end());
+  for (const StoredWords& each : ReadStored(database, map_row)) stored.push_back(each.hash);
+  std::ranges::sort(stored);
+  std::ranges::sort(wanted);
+  return stored == wanted;
+}
+
 void SavePlaceWords(SaveContext& context, std::int64_t map_row, const Map& map, std::span<const std::int64_t> rows,
                     std::span<const std::int64_t> features_hashes) {
   const std::vector<StoredWords> stored = ReadStored(context.database, map_row);

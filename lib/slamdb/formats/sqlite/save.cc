@@ -49,10 +49,9 @@ std::int64_t SaveHeader(SaveContext& context, const std::string& name, const Atl
           "saved_at = ?16, maps = ?17, keyframes = ?18, points = ?19, observations = ?20, hash = ?21 "
           "RETURNING row"),
       "table atlas");
-  const std::string now = context.options.recorded ? context.options.recorded->at : TimeOfDay();
   std::vector<Value> columns{stored ? Value(stored->row) : Value(), std::string_view(name)};
   std::ranges::copy(rows::HeaderRow(atlas), std::back_inserter(columns));
-  columns.emplace_back(std::string_view(now));
+  columns.emplace_back(std::string_view(context.at));
   for (const std::uint64_t count : {summary.maps, summary.keyframes, summary.points, summary.observations})
     columns.emplace_back(ToColumn(count));
   columns.emplace_back(ToColumn(report.hash));
@@ -245,6 +244,7 @@ void CountAllUnchanged(const Atlas& atlas, ChangeCounter& changes) {
 void SaveWordsAlone(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes) {
   const std::vector<StoredMap> maps = ReadStoredMaps(context.database, context.atlas);
   for (std::size_t i = 0; i < std::min(maps.size(), atlas.maps.size()); ++i) {
+    if (HasAllPlaceWords(context.database, maps[i].row, hashes.maps[i].features)) continue;
     const std::vector<std::int64_t> rows = RowsInOrder(context.database, maps[i].row, "keyframe", "keyframe");
     if (rows.size() == atlas.maps[i].keyframes.size())
       SavePlaceWords(context, maps[i].row, atlas.maps[i], rows, hashes.maps[i].features);
@@ -336,7 +336,7 @@ bool HasNewSource(Database& database, std::int64_t atlas, const std::string& nam
 }  // namespace
 
 void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
-               const SaveOptions& options, Rewrite rewrite, SaveReport& report) {
+               const std::string& at, const SaveOptions& options, Rewrite rewrite, SaveReport& report) {
   ChangeCounter changes;
   const std::optional<StoredHead> stored = AtlasNamed(database, name);
   report.hash = static_cast<std::uint64_t>(hashes.Combined());
@@ -344,7 +344,8 @@ void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, 
   report.revision =
       static_cast<std::uint64_t>(rows::NextNumber(database.path(), options.recorded, stored ? stored->revision : 0));
   PastWriter past(database, stored ? stored->row : 0, static_cast<std::int64_t>(report.revision), Carries(atlas));
-  SaveContext context{.database = database, .options = options, .changes = changes, .past = past, .map = report.map};
+  SaveContext context{
+      .database = database, .options = options, .changes = changes, .past = past, .map = report.map, .at = at};
   for (const Map& map : atlas.maps) context.entities += 100 * map.keyframes.size() + map.points.size();
   if (stored && !options.recorded && rewrite == Rewrite::kWhatDiffers && stored->hash == hashes.Combined() &&
       !HasNewSource(database, stored->row, name, options)) {

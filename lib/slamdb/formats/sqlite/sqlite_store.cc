@@ -258,10 +258,11 @@ SaveReport State::SaveUnderLock(const std::string& name, const Atlas& atlas, con
     throw Error(ErrorKind::kAlreadyExists, database.path(), "",
                 "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
   if (save_options.onto) CheckIsNewest(database, name, *save_options.onto);
+  const Recorded recorded = save_options.recorded ? *save_options.recorded : RecordedNow();
   SaveReport report;
-  SaveAtlas(database, name, atlas, hashes, save_options, was_edited ? Rewrite::kAll : Rewrite::kWhatDiffers, report);
-  const std::int64_t history = Record(database, "save", name, save_options.provenance, report.Total(),
-                                      save_options.recorded ? *save_options.recorded : RecordedNow());
+  SaveAtlas(database, name, atlas, hashes, recorded.at, save_options,
+            was_edited ? Rewrite::kAll : Rewrite::kWhatDiffers, report);
+  const std::int64_t history = Record(database, "save", name, save_options.provenance, report.Total(), recorded);
   if (!report.unchanged) {
     RecordChanges(database, history, report);
     AddRevision(database, sqlite::Find(database, name).atlas, history, save_options.from);

@@ -37,6 +37,7 @@ struct SaveContext {
   ChangeCounter& changes;
   PastWriter& past;        // asked to keep all that changes, before it does
   MapChanges& map;         // what changed in the map
+  const std::string& at;   // when it is saved
   std::int64_t atlas = 0;  // its row
   std::size_t entities = 0, entities_done = 0;
 
@@ -49,9 +50,9 @@ enum class Rewrite {
   kAll,          // that are in the store may hold something else than their hashes tell
 };
 
-// Saves everything. `hashes` is detail::HashesOf(atlas).
+// Saves everything. `hashes` is detail::HashesOf(atlas); `at`: when it is saved, as the history has it.
 void SaveAtlas(Database& database, const std::string& name, const Atlas& atlas, const AtlasHashes& hashes,
-               const SaveOptions& options, Rewrite rewrite, SaveReport& report);
+               const std::string& at, const SaveOptions& options, Rewrite rewrite, SaveReport& report);
 
 // The order of a list (list_order.h), where it is another than before.
 void SaveOrder(SaveContext& context, std::int64_t map, std::string_view list, const ListPlan& plan);
