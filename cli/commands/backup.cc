@@ -20,7 +20,8 @@ struct BackupOptions {
 
 ExitCode RunBackup(const BackupOptions& options, Console& console) {
   RequireOutput(options.target);
-  detail::RefuseOnServer(options.store.path, "pg_dump makes a copy, and 'slamdb add' one of its atlases in a file");
+  detail::RefuseOnServer(options.store.path,
+                         "pg_dump makes a copy, and 'slamdb sync' one in a file, with all revisions");
   Store::Open(options.store.path, options.store.wait).Backup(options.target, options.overwrite);
   std::error_code ignored;
   if (!console.quiet())

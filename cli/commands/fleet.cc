@@ -61,7 +61,7 @@ ExitCode RunStatus(const FleetVerbOptions& options, Console& console) {
   if (options.repair) {
     const std::uint64_t rows = RepairFleet(options.store.path, OptionsOf(options, console));
     if (!console.quiet() && !options.json)
-      console.Print(rows == 0 ? "nothing was left by interrupted writers\n"
+      console.Print(rows == 0 ? "nothing was left by interrupted writers on servers that answer\n"
                               : "removed " + Counted(rows, "row") + " that interrupted writers left\n");
   }
   return PrintStatus(options, console);
@@ -76,7 +76,10 @@ ExitCode RunMove(const FleetVerbOptions& options, Console& console) {
 
 std::shared_ptr<FleetVerbOptions> AddFleetStore(CLI::App& verb) {
   const auto options = std::make_shared<FleetVerbOptions>();
-  AddStore(verb, options->store);
+  verb.add_option("STORE", options->store.path, "The store's own database, postgresql://USER@HOST/DATABASE")
+      ->type_name("FILE")
+      ->required();
+  AddWait(verb, options->store.wait);
   AddJson(verb, options->json);
   return options;
 }

@@ -91,6 +91,9 @@ std::string UnlikeText(const SearchedStore& store) {
   if (!store.unlike.empty()) text += Wrapped("nothing looks alike: " + list(store.unlike), 0);
   if (!store.unknown.empty())
     text += Wrapped("not asked, as the store does not know what they look like: " + list(store.unknown), 0);
+  if (!store.unreachable.empty())
+    text += Wrapped(
+        "not asked, as their server does not answer ('slamdb fleet status' tells more): " + list(store.unreachable), 0);
   return text;
 }
 

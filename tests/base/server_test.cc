@@ -173,5 +173,32 @@ TEST(Server, IsToldFromWhatIsMistyped) {
   std::filesystem::current_path(before);
 }
 
+// What psql takes besides is no location, and is told so without the password.
+TEST(Server, TheFormOfKeywordsIsRefusedWithoutItsPassword) {
+  for (const std::string path :
+       {"host=lab dbname=maps password=S3cret", "dbname = maps  password = 'S3 cret'", "password=S3cret host=lab",
+        "user=robot password='S3cret", "password='S3\\'S3' port=5432", "sslmode=require password=S3\\ S3 user=a"}) {
+    try {
+      RefuseMistypedServer(path);
+      FAIL() << path;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), Not(HasSubstr("S3"))) << path;
+      EXPECT_THAT(error.what(), HasSubstr("postgresql://USER@HOST/DATABASE#NAME"));
+    }
+    EXPECT_THAT(HidePassword("--onto=" + path), Not(HasSubstr("S3")));
+  }
+  for (const std::string path : {"ghost=1.osa", "hostile.osa", "user.osa", "maps/host", "password=k.osa"}) {
+    EXPECT_NO_THROW(RefuseMistypedServer(path));
+    EXPECT_EQ(HidePassword(path), path);
+  }
+  EXPECT_EQ(WithoutKeywordPasswords("host=a password=x user=b"), "host=a password=... user=b");
+}
+
+// In names of files and atlases it is a word as any other.
+TEST(Server, ReportsHoldNamesWithTheWordPassword) {
+  const Json json = {{"name", "password=x"}, {"where", "host=a password='x"}};
+  EXPECT_EQ(Json::parse(Dumped(json)), json);
+}
+
 }  // namespace
 }  // namespace slamdb::detail

@@ -144,6 +144,7 @@ std::string ToJson(const LocateReport& report, const std::string& input) {
   for (const LocatedPicture& picture : report.pictures) json["pictures"].push_back(JsonOf(picture));
   json["median_error"] = JsonOf(report.MedianError());
   json["largest_error"] = JsonOf(report.LargestError());
+  json["not_asked"] = report.not_asked;
   return detail::JsonText(json);
 }
 

@@ -36,6 +36,7 @@ struct LocatedPicture {
 
 struct SLAMDB_EXPORT LocateReport {
   std::vector<LocatedPicture> pictures;
+  std::vector<std::string> not_asked;  // atlases of a store that was asked whole, and why: `lab: ...`
 
   std::uint64_t found() const;
   // Over those with a known error; nullopt when there is none.

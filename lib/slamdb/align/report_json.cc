@@ -85,7 +85,11 @@ std::string ToJson(const AlignedMaps& aligned, const std::vector<MapName>& names
   }
   json["links"] = LinksOf(aligned, names);
   json["searched"] = nullptr;
-  if (store) json["searched"] = {{"input", store->path}, {"unlike", store->unlike}, {"unknown", store->unknown}};
+  if (store)
+    json["searched"] = {{"input", store->path},
+                        {"unlike", store->unlike},
+                        {"unknown", store->unknown},
+                        {"unreachable", store->unreachable}};
   return detail::JsonText(json);
 }
 

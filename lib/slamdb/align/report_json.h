@@ -29,8 +29,9 @@ struct MapName {
 // A store that was searched for maps to align with.
 struct SearchedStore {
   std::string path;
-  std::vector<std::string> unlike;   // atlases in which nothing looks alike
-  std::vector<std::string> unknown;  // of which it is not known what they look like
+  std::vector<std::string> unlike;       // atlases in which nothing looks alike
+  std::vector<std::string> unknown;      // of which it is not known what they look like
+  std::vector<std::string> unreachable;  // of a fleet, whose server does not answer
 };
 
 // As schema/align.schema.json describes it. `names` by row of the list of maps.

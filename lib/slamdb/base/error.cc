@@ -87,9 +87,9 @@ std::string_view ToString(ErrorKind kind) {
 }
 
 Error::Error(ErrorKind kind, std::string path, std::string place, std::string problem)
-    : std::runtime_error(detail::WithoutPasswords(Sentence(path, place, problem))),
+    : std::runtime_error(detail::WithoutPasswords(Sentence(detail::WithoutKeywordPasswords(path), place, problem))),
       kind_(kind),
-      path_(detail::WithoutPasswords(std::move(path))),
+      path_(detail::WithoutPasswords(detail::WithoutKeywordPasswords(std::move(path)))),
       place_(detail::WithoutPasswords(std::move(place))),
       problem_(detail::WithoutPasswords(std::move(problem))) {}
 

@@ -25,7 +25,7 @@ Hidden& TheHidden() {
 
 std::string HidePassword(std::string word) {
   const std::size_t at = FindUri(word);
-  if (at == std::string::npos) return word;
+  if (at == std::string::npos) return WithoutKeywordPasswords(std::move(word));
   const std::string_view location = std::string_view(word).substr(at);
   std::string uri(location.substr(0, NameBehind(location)));
   std::string shown = WithoutPassword(uri);

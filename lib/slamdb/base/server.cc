@@ -182,6 +182,45 @@ std::string WithoutPassword(std::string_view uri) {
   return out + PublicParameters(rest.substr(query));
 }
 
+namespace {
+
+// Whether that is what libpq takes besides URIs: `host=lab dbname=maps`.
+bool IsOfKeywords(std::string_view words) {
+  constexpr std::array kKeywords = {"host", "hostaddr", "port", "dbname", "user", "service", "sslmode"};
+  return std::ranges::any_of(kKeywords, [&](std::string_view keyword) {
+    for (std::size_t at = words.find(keyword); at != std::string_view::npos; at = words.find(keyword, at + 1)) {
+      const std::size_t behind = words.find_first_not_of(' ', at + keyword.size());
+      const bool begins = at == 0 || words[at - 1] == ' ' || words[at - 1] == '=';
+      if (begins && behind != std::string_view::npos && words[behind] == '=') return true;
+    }
+    return false;
+  });
+}
+
+// Behind a value that begins there: `'a \'b\' c'`, or up to a blank that is not `\ `.
+std::size_t EndOfValue(std::string_view words, std::size_t at) {
+  const bool is_quoted = at < words.size() && words[at] == '\'';
+  for (at += is_quoted ? 1 : 0; at < words.size(); ++at) {
+    if (words[at] == (is_quoted ? '\'' : ' ')) return at + (is_quoted ? 1 : 0);
+    if (words[at] == '\\') ++at;
+  }
+  return words.size();
+}
+
+}  // namespace
+
+std::string WithoutKeywordPasswords(std::string words) {
+  constexpr std::string_view kWord = "password";
+  if (!IsOfKeywords(words)) return words;
+  for (std::size_t at = words.find(kWord); at != std::string::npos; at = words.find(kWord, at)) {
+    at = std::min(words.find_first_not_of(' ', at + kWord.size()), words.size());
+    if (at == words.size() || words[at] != '=') continue;
+    at = std::min(words.find_first_not_of(' ', at + 1), words.size());
+    words.replace(at, EndOfValue(words, at) - at, "...");
+  }
+  return words;
+}
+
 std::string WithoutPasswords(std::string text) {
   constexpr std::string_view kEnds = " \t\r\n\"", kPunctuation = "'\"`,;.:)";
   for (std::size_t at = FindUri(text); at != std::string::npos; at = FindUri(text, at + 1)) {
@@ -210,7 +249,7 @@ std::string DatabaseOfServer(std::string_view uri) {
 void RefuseMistypedServer(const std::string& path) {
   const std::size_t scheme = SchemeOf(path);
   std::error_code missing;
-  if (scheme == 0 || IsServer(path) || std::filesystem::exists(path, missing)) return;
+  if ((scheme == 0 && !IsOfKeywords(path)) || IsServer(path) || std::filesystem::exists(path, missing)) return;
   throw Error(ErrorKind::kUsage, path, "",
               Concat("is neither a file nor the URI of a server, which begins with postgresql:// and reads "
                      "postgresql://USER@HOST/DATABASE#NAME, or postgresql:///DATABASE#NAME of one on this machine"));

@@ -30,12 +30,13 @@ LikelyMaps FindLikelyMaps(Store& store, std::span<const MapRef> maps, const Like
   for (const std::vector<StoredPlace>& named : places.by_picture)
     for (const StoredPlace& place : named)
       if (place.likeness >= kAlike) ++counts[{place.atlas, place.map.value()}];
-  LikelyMaps likely{.maps = {}, .unlike = {}, .unknown = places.unknown};
+  LikelyMaps likely{.maps = {}, .unlike = {}, .unknown = places.unknown, .unreachable = places.unreachable};
   for (const auto& [map, keyframes] : counts)
     if (keyframes >= kFewest) likely.maps.push_back({map.first, MapId(map.second), keyframes});
   std::ranges::stable_sort(likely.maps, std::greater(), &LikelyMap::keyframes);
   if (likely.maps.size() > options.most) likely.maps.resize(options.most);
   std::set<std::string> named(likely.unknown.begin(), likely.unknown.end());
+  named.insert(likely.unreachable.begin(), likely.unreachable.end());
   named.insert(options.without.begin(), options.without.end());
   for (const LikelyMap& map : likely.maps) named.insert(map.atlas);
   for (const std::string& atlas : store.Names())

@@ -97,10 +97,11 @@ LocatedInStore LocateInStore(Store& store, std::span<const PictureFeatures> look
   LocatedInStore located;
   located.pictures.resize(looks.size());
   for (const std::string& atlas : places.unknown)
+    located.not_asked.push_back(detail::Concat(
+        atlas, ": the store does not know what all its keyframes look like; save it again, or check it for damage"));
+  for (const std::string& atlas : places.unreachable)
     located.not_asked.push_back(
-        detail::Concat(atlas,
-                       ": the store does not know what all its keyframes look like; save it again, or check it for "
-                       "damage (of a fleet: see 'slamdb fleet status')"));
+        detail::Concat(atlas, ": its server does not answer; 'slamdb fleet status' tells more"));
   const std::vector<Question> questions = QuestionsOf(places);
   for (std::size_t i = 0; i < questions.size(); ++i) {
     const Question& question = questions[i];

@@ -28,8 +28,8 @@ using FeaturesFor = std::function<std::optional<PictureFeatures>(std::size_t pic
 struct LocatedInStore {
   // Of each picture, the atlases that were asked for it: the surest first, then those where it has most inliers.
   std::vector<std::vector<AtlasLocalization>> pictures;
-  // Atlases that could not be asked, and why: damaged ones, and those of which the store does not know what they look
-  // like (StoredPlaces::unknown).
+  // Atlases that could not be asked, and why: damaged ones, those of which the store does not know what they look like,
+  // and those whose server does not answer (StoredPlaces).
   std::vector<std::string> not_asked;
 };
 

@@ -183,6 +183,7 @@ LocateReport LocatePictures(Store& store, const LocatePicturesOptions& options, 
                     {.lock_timeout = options.lock_timeout, .threads = options.threads, .progress = options.progress});
   for (const std::string& atlas : located.not_asked) notices.Warn("not asked: " + atlas);
   LocateReport report = ReportOf(files);
+  report.not_asked = located.not_asked;
   for (std::size_t i = 0; i < files.size(); ++i) {
     LocatedPicture& picture = report.pictures[i];
     const std::vector<AtlasLocalization>& answers = located.pictures[i];

@@ -60,7 +60,7 @@ void MapsToAlign::AddLikely(Store& of, const std::vector<std::string>& inputs, c
       notices.Warn(std::string("not compared: ") + error.what());
     }
   }
-  store = {detail::WithoutPassword(of.path()), likely.unlike, likely.unknown};
+  store = {detail::WithoutPassword(of.path()), likely.unlike, likely.unknown, likely.unreachable};
 }
 
 AlignedMaps MapsToAlign::Align(const AlignOptions& options) const {

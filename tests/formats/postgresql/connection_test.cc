@@ -213,7 +213,7 @@ TEST_F(ConnectionTest, AServerThatIsStoppedSaysSo) {
   server.Stop();
   const Error error = ErrorOf([&] { connection.Execute("SELECT 1"); });
   EXPECT_EQ(error.kind(), ErrorKind::kLocked);
-  EXPECT_THAT(error.problem(), HasSubstr("nothing was saved unless all was: try again"));
+  EXPECT_THAT(error.problem(), HasSubstr("try again; what was being saved is there whole, or not at all"));
 }
 
 }  // namespace

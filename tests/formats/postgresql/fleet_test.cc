@@ -177,7 +177,7 @@ TEST_F(FleetTest, IsNotMadeOfWhatHoldsSomething) {
   EXPECT_THAT(ErrorOf([&] { Init(); }), AllOf(HasSubstr("holds 1 atlases"), HasSubstr("another database")));
   const std::string other = servers_[0]->Uri(servers_[0]->MakeDatabase());
   EXPECT_THAT(ErrorOf([&] { InitFleet(other, 2, std::vector<std::string>{store_}); }),
-              HasSubstr("holds a store of its own"));
+              HasSubstr("holds a store, or partitions of another one"));
   InitFleet(other, 2, std::vector<std::string>{one_});
   const std::string third = servers_[0]->Uri(servers_[0]->MakeDatabase());
   EXPECT_THAT(ErrorOf([&] { InitFleet(third, 2, std::vector<std::string>{one_}); }),
@@ -303,7 +303,10 @@ TEST_F(FleetTest, OneServerDownTakesItsAtlasesAlone) {
     const auto& descriptors = atlas.maps[0].keyframes[0].features.descriptors;
     const std::vector<Descriptor> picture(descriptors.begin(), descriptors.end());
     const std::span<const Descriptor> pictures[] = {picture};
-    EXPECT_THAT(store.PlacesLike(pictures).unknown, ::testing::IsSupersetOf(gone));
+    const StoredPlaces places = store.PlacesLike(pictures);
+    EXPECT_EQ(places.unreachable, gone);
+    for (const std::string& name : places.unknown) EXPECT_THAT(gone, Not(::testing::Contains(name)));
+    EXPECT_EQ(store.Stats().partitions_elsewhere, static_cast<std::uint64_t>(kPartitions));
   }
   Store writer = Writer();
   EXPECT_THAT(ErrorOf([&] { writer.Save(there, Numbered(77)); }), HasSubstr("another server"));

@@ -151,6 +151,7 @@ TEST_F(StoreOnServer, RowsThatSomebodyEditedAreSeenAndWrittenAnew) {
            {"revision", "DELETE FROM slamdb.map WHERE until = 2147483647"},
            {"camera", "UPDATE slamdb.camera SET parameters = '[1,2,oops]', exact = NULL WHERE until = 2147483647"},
            {"camera", "UPDATE slamdb.camera SET id = id + 1 WHERE until = 2147483647"},
+           {"revision", "DELETE FROM slamdb.camera WHERE until = 2147483647"},
            {"revision", "UPDATE slamdb.revision SET next_map = 4711"}}) {
     ASSERT_THAT(Sql(sql), Not(HasSubstr("ERROR"))) << sql;
     const std::string error = ErrorOf([&] { Store::Open(uri_).Load("a"); });
@@ -225,6 +226,30 @@ TEST_F(StoreOnServer, ATagThatIsSetWhileRevisionsAreGivenUpWaitsForThem) {
   store.Tag("a@1", "kept");
   store.GiveUp({.keep = 1});
   EXPECT_EQ(FirstDifference(store.Load("a@kept"), first_), "");
+}
+
+TEST_F(StoreOnServer, GivingUpLeavesNoEarlierRows) {
+  Store store = Store::OpenForWriting(uri_);
+  store.Save("a", second_);
+  store.Save("a", first_);
+  ASSERT_NE(Sql("SELECT count(*) FROM slamdb.map_point WHERE until <> 2147483647"), "0");
+  store.GiveUp({.keep = 1});
+  for (const char* table :
+       {"camera", "map", "keyframe", "keyframe_features", "map_point", "landmark", "repeated_entry"})
+    EXPECT_EQ(Sql(detail::Concat("SELECT count(*) FROM slamdb.", table, " WHERE until <> 2147483647")), "0") << table;
+  ExpectFirst();
+}
+
+// Rows that somebody ended in a revision to come would be in those that come before it.
+TEST_F(StoreOnServer, RowsThatSomebodyEndedAreWrittenAnew) {
+  ASSERT_THAT(Sql("UPDATE slamdb.map_point SET until = 4 WHERE row % 3 = 0"), Not(HasSubstr("ERROR")));
+  Store store = Store::OpenForWriting(uri_);
+  store.Save("a", first_, {.verify = true});
+  store.Save("a", second_);
+  store.Save("a", first_);
+  EXPECT_EQ(FirstDifference(store.Load("a@2"), first_), "");
+  EXPECT_EQ(FirstDifference(store.Load("a@3"), second_), "");
+  EXPECT_EQ(FirstDifference(store.Load("a@4"), first_), "");
 }
 
 TEST_F(StoreOnServer, ASaveThatVerifiesTakesWhatSavesHaveWrittenForWhole) {
@@ -391,6 +416,11 @@ TEST_F(StoreRoles, RowLevelSecurityShowsEachItsProjects) {
   EXPECT_THAT(ErrorOf([&] { elsewhere.Load("secret"); }), HasSubstr("no atlas named 'secret'"));
   EXPECT_EQ(elsewhere.Log("secret").size(), 0U);
   EXPECT_EQ(FirstDifference(elsewhere.Load("a"), first_), "");  // of no project: everybody's
+  // A branch stays where it comes from, also without a project of its own.
+  ASSERT_EQ(Sql("ALTER ROLE writing RESET slamdb.project"), "");
+  Store::OpenForWriting(UriOf("writing")).Branch("secret", "branch");
+  EXPECT_EQ(Sql("SELECT project FROM slamdb.atlas WHERE name = 'branch'"), "warehouse");
+  EXPECT_THAT(elsewhere.Names(), ElementsAre("a"));
   const std::string other_rows = Sql("SELECT row FROM slamdb.atlas WHERE name = 'secret'");
   for (const char* table : {"keyframe", "map_point", "picture", "revision", "map", "keyframe_features"}) {
     const std::string of_other = detail::Concat("SELECT count(*) FROM slamdb.", table, " WHERE atlas = ", other_rows);

@@ -13,7 +13,8 @@
 namespace slamdb::detail {
 
 // A word of the command line without the password of the URI that is it, or that it ends with
-// (`--onto=postgresql://...`), and remembers that. Of one URI with several passwords the last one counts.
+// (`--onto=postgresql://...`), and remembers that. Of one URI with several passwords the last one counts. Also without
+// that of `host=lab password=x`, which is forgotten.
 SLAMDB_EXPORT std::string HidePassword(std::string word);
 
 // The path of a location as it was before; as it is where nothing was hidden.

@@ -28,6 +28,10 @@ std::size_t NameBehind(std::string_view uri);
 // so does one behind a scheme that is mistyped (`postgresql:/user:password@host`, `pg://user:password@host`).
 SLAMDB_EXPORT std::string WithoutPassword(std::string_view uri);
 
+// What libpq takes besides URIs, `host=lab password=x`, which is no location here: with `...` for the password. All
+// else stays as it is.
+SLAMDB_EXPORT std::string WithoutKeywordPasswords(std::string words);
+
 // A whole text, without the passwords of the URIs in it, which end at blanks and double quotes.
 SLAMDB_EXPORT std::string WithoutPasswords(std::string text);
 

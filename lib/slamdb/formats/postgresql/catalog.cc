@@ -268,6 +268,10 @@ StoreStats ReadStatistics(Connection& connection) {
         stats.tables.push_back({std::string(row.Text(0)), Unsigned(row, 1)});
         stats.file_bytes += Unsigned(row, 1);
       });
+  stats.partitions_elsewhere =
+      static_cast<std::uint64_t>(connection.Integer("SELECT count(*) FROM pg_inherits JOIN pg_class ON pg_class.oid = "
+                                                    "inhrelid WHERE inhparent = 'slamdb.map'::regclass "
+                                                    "AND relkind = 'f'"));
   stats.pages = stats.file_bytes / std::max<std::uint64_t>(stats.page_bytes, 1);
   if (connection.Integer("SELECT has_function_privilege('pg_ls_waldir()', 'EXECUTE')::integer") != 0)
     stats.log_bytes =

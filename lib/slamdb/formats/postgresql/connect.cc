@@ -57,9 +57,9 @@ std::optional<Settings> SettingsOf(const std::string& uri, std::string& problem)
 // would then show. So it must read the same with and without password.
 void CheckUri(const std::string& uri, const std::string& path) {
   std::string problem, ignored;
-  const std::optional<Settings> settings = SettingsOf(uri, problem);
-  if (settings && settings == SettingsOf(path, ignored)) return;
-  if (uri != path)
+  const std::optional<Settings> settings = SettingsOf(uri, ignored), public_settings = SettingsOf(path, problem);
+  if (settings && settings == public_settings) return;
+  if (public_settings)
     problem = "in its password, percent-encode what is neither letter nor digit: %40 for @, %2F for /, %3A for :";
   throw Error(
       ErrorKind::kUsage, path, "",

@@ -18,7 +18,7 @@ struct Meaning {
   bool is_worth_retrying = false;
 };
 
-constexpr std::string_view kTryAgain = "): nothing was saved unless all was: try again";
+constexpr std::string_view kTryAgain = "): try again; what was being saved is there whole, or not at all";
 constexpr std::string_view kLetIn = "): check user and password: .pgpass, PGPASSWORD or a service file";
 constexpr std::string_view kAtWork = "): try again when it is done";
 
@@ -26,7 +26,8 @@ constexpr std::array kMeanings = {
     Meaning{"08001", ErrorKind::kLocked, "another server, which has the partition, does not answer (",
             "): its atlases wait for it, 'slamdb fleet status' tells more", true},
     Meaning{"08P01", ErrorKind::kLocked, "the server, or a pool in front of the server, ended the connection (",
-            "): nothing was saved unless all was: check user, password and database, or try again", true},
+            "): check user, password and database, or try again; what was being saved is there whole, or not at all",
+            true},
     Meaning{"08", ErrorKind::kLocked, "the connection to the server was lost (", kTryAgain, true},
     Meaning{"0A", ErrorKind::kUnsupported, "", ""},
     Meaning{"22", ErrorKind::kNotPossible, "", ""},
@@ -102,7 +103,7 @@ ServerError ConnectionLost(const std::string& path, const std::string& place, st
 ServerError NoServer(const std::string& path, std::string_view message) {
   return {Error(ErrorKind::kNotFound, path, "",
                 detail::Concat("no server answers (", OneLine(message),
-                               "): check host and port, and that it runs and listens there")),
+                               "): check host and port, or the service's name, and that it runs and listens there")),
           ""};
 }
 

@@ -207,8 +207,10 @@ void MakeParts(Connection& remote, const std::string& id, std::int64_t partition
     remote.Query("INSERT INTO fleet (id) VALUES ($1::text::uuid)", {id});
     remote.Query("INSERT INTO store (version, partitions) VALUES ($1::integer, 0)", {NewestVersion()});
   } else if (version != NewestVersion() || PartitionsIn(remote) != 0 || !IsFleet(remote) || IdOfFleet(remote) != id) {
-    throw Error(ErrorKind::kUsage, remote.path(), "",
-                "holds a store of its own, or partitions of another: name an empty database");
+    throw Error(
+        ErrorKind::kUsage, remote.path(), "",
+        "holds a store, or partitions of another one: name an empty database; a partition does not come back to the "
+        "store's own");
   }
   for (const std::string_view table : PartitionedTables())
     for (const std::int64_t i : numbers) MakePartition(remote, table, i, partitions);

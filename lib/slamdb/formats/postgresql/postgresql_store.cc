@@ -105,15 +105,15 @@ class PostgresqlStore : public detail::StoreBackend {
   }
   StoredPlaces PlacesLike(std::span<const std::span<const Descriptor>> pictures, const PlaceOptions& options) override {
     PlaceFinder finder(pictures, options);
-    std::vector<std::string> unsearched;
+    std::vector<std::string> unreachable;
     const auto read = [&](const Partition& partition) { finder.Read(connection_, partition); };
     // Of a fleet each: asked for all at once, another server would send all that it has. But where rows are shown by
     // project, nobody may name a partition.
     const bool by_partition = Reading([&] { return IsFleet(connection_) && !IsRowSecurityActive(connection_); });
-    by_partition ? OfEach(read, unsearched) : OfAll(read, &unsearched);
+    by_partition ? OfEach(read, unreachable) : OfAll(read, &unreachable);
     StoredPlaces found = std::move(finder).Find();
-    found.unknown.insert(found.unknown.end(), unsearched.begin(), unsearched.end());
-    std::ranges::sort(found.unknown);
+    std::ranges::sort(unreachable);
+    found.unreachable = std::move(unreachable);
     return found;
   }
   bool Has(const std::string& name) override {

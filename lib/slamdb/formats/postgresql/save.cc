@@ -45,6 +45,14 @@ Parameter RecordedAt(const SaveContext& context) {
   return context.options.recorded ? Parameter(context.options.recorded->at) : Parameter::Null();
 }
 
+// The project of what a new atlas was branched off; NULL: of nothing that is here to be seen.
+Parameter ProjectOfSource(SaveContext& context) {
+  if (!context.options.from) return Parameter::Null();
+  const Result project = context.connection.Query("SELECT project FROM atlas WHERE name = $1",
+                                                  {context.options.from->atlas}, "table atlas");
+  return project.rows() == 0 ? Parameter::Null() : Parameter(project[0].Text(0));
+}
+
 // Writes the row of the atlas, and sets context.atlas.
 void SaveAtlasRow(SaveContext& context, const std::string& name, std::int64_t hash, const AtlasSummary& summary) {
   std::vector<Parameter> parameters;
@@ -57,9 +65,12 @@ void SaveAtlasRow(SaveContext& context, const std::string& name, std::int64_t ha
   parameters.push_back(RecordedAt(context));
   if (context.is_new) {
     parameters.emplace_back(name);
+    parameters.push_back(ProjectOfSource(context));
+    const std::string project =
+        Concat("coalesce(nullif(current_setting('slamdb.project', true), ''), $", parameters.size(), "::text, '')");
     const Result made = context.connection.Query(
-        Concat("INSERT INTO atlas (", kSummaryColumns, ", revision, name, saved_at, bytes) VALUES (", numbers, ", ",
-               revision, ", ", key, ", ", at, ", 0) ON CONFLICT (name) DO NOTHING RETURNING row"),
+        Concat("INSERT INTO atlas (", kSummaryColumns, ", revision, name, saved_at, bytes, project) VALUES (", numbers,
+               ", ", revision, ", ", key, ", ", at, ", 0, ", project, ") ON CONFLICT (name) DO NOTHING RETURNING row"),
         parameters, "table atlas");
     if (made.rows() == 0)
       throw Error(ErrorKind::kAlreadyExists, context.connection.path(), "",
@@ -211,6 +222,10 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const std:
   SaveReport report{.hash = static_cast<std::uint64_t>(hash), .replaced = !context.is_new};
   report.unchanged = stored && !rewrite && !options.recorded && head.hash == hash &&
                      !HasNewSource(connection, head.atlas, name, options);
+  if (report.unchanged && options.verify && !HasAllOfThese(context, atlas)) {
+    context.rewrites = true;
+    report.unchanged = false;
+  }
   if (report.unchanged) {
     context.revision = head.revision;
     rows::CountUnchanged(atlas, context.changes);
@@ -219,7 +234,7 @@ SaveReport SaveAtlas(Connection& connection, const std::string& name, const std:
     SaveAtlasRow(context, name, hash, summary);
     ++(context.is_new ? context.changes["atlas"].inserted : context.changes["atlas"].updated);
     context.partition = HoldPartition(connection, context.atlas, lock);
-    UndoUnfinished(connection, context.partition, context.atlas, head.revision, rewrite);
+    UndoUnfinished(connection, context.partition, context.atlas, head.revision, context.rewrites);
     SaveContent(context, atlas, hashes);
     WriteBytes(connection, context.atlas, context.partition);
   }

@@ -23,6 +23,7 @@ struct KeyframePlaces {
 KeyframePlaces FindChanged(SaveContext& context, const std::vector<MapToSave>& maps,
                            const std::vector<ListPlans>& plans) {
   KeyframePlaces places;
+  TableChanges &changes = context.changes["keyframe"], &of_features = context.changes["keyframe_features"];
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const auto& [row, map, hashes, stored] = maps[i];
     const ListPlan& plan = plans[i].keyframes;
@@ -34,8 +35,8 @@ KeyframePlaces FindChanged(SaveContext& context, const std::vector<MapToSave>& m
           old == nullptr ? nullptr : &stored.features[static_cast<std::size_t>(old - stored.keyframes.data())];
       const bool same_features = features != nullptr && features->hash == hashes.features[k] &&
                                  (same || features->source_hash == SourceHashOf(map.keyframes[k]));
-      rows::Count(context.changes["keyframe"], same, old == nullptr);
-      rows::Count(context.changes["keyframe_features"], same_features, old == nullptr);
+      rows::Count(changes, same, old == nullptr);
+      rows::Count(of_features, same_features, old == nullptr);
       if (!same) places.rows.emplace_back(i, k);
       if (!same_features) places.features.emplace_back(i, k);
       if (old == nullptr)

@@ -273,6 +273,20 @@ std::vector<std::int64_t> NumbersOfMaps(SaveContext& context, const std::vector<
   return numbers;
 }
 
+bool HasAllOfThese(const SaveContext& context, const Atlas& atlas) {
+  std::int64_t landmarks = 0;
+  for (const Map& map : atlas.maps) landmarks += static_cast<std::int64_t>(map.landmarks.size());
+  const std::vector<std::int64_t> maps(atlas.maps.size());
+  const auto count = [](std::string_view table) {
+    return Concat("(SELECT count(*) FROM ", table, " WHERE atlas = $1 AND until = 2147483647)");
+  };
+  return context.connection.Integer(
+             Concat("SELECT (", count("camera"), " = $2 AND ", count("repeated_entry"), " = $3 AND ", count("landmark"),
+                    " = $4)::integer"),
+             {context.atlas, static_cast<std::int64_t>(atlas.cameras.size()),
+              static_cast<std::int64_t>(RepeatedRows(context.atlas, atlas, maps).size()), landmarks}) != 0;
+}
+
 void SaveCamerasAndRepeated(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes,
                             const std::vector<std::int64_t>& maps) {
   const StoredSmall stored = ReadSmall(context);

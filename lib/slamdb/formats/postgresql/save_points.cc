@@ -118,6 +118,7 @@ void WritePoints(SaveContext& context, const std::vector<MapToSave>& maps, const
 void SavePoints(SaveContext& context, const std::vector<MapToSave>& maps, const std::vector<ListPlans>& plans) {
   ListPlaces changed;
   std::vector<std::int64_t> ended;
+  TableChanges& changes = context.changes["map_point"];
   for (std::size_t i = 0; i < maps.size(); ++i) {
     const ListPlan& plan = plans[i].points;
     const AtlasHashes::OfMap& hashes = maps[i].hashes;
@@ -125,14 +126,14 @@ void SavePoints(SaveContext& context, const std::vector<MapToSave>& maps, const 
       const ListPlan::Entry& entry = plan.entries[k];
       const StoredRow* old = entry.stored;
       const bool same = rows::HasRow(entry, hashes.points[k]) && rows::HasDetails(entry, hashes.observations[k]);
-      rows::Count(context.changes["map_point"], same, old == nullptr);
+      rows::Count(changes, same, old == nullptr);
       if (old == nullptr) ++context.map.points_added;
       if (same) continue;
       changed.emplace_back(i, k);
       if (old != nullptr) ended.push_back(entry.row);
     }
     context.map.points_removed += plan.removed.size();
-    context.changes["map_point"].deleted += plan.removed.size();
+    changes.deleted += plan.removed.size();
     ended.insert(ended.end(), plan.removed.begin(), plan.removed.end());
   }
   EndPoints(context, maps, plans, changed, ended);

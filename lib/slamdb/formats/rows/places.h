@@ -33,6 +33,8 @@ struct StoredPlaces {
   // Atlases of which the store does not know what all their keyframes look like, ascending: the places of these are not
   // among the answers.
   std::vector<std::string> unknown;
+  // Those of a fleet whose server does not answer, ascending.
+  std::vector<std::string> unreachable;
 };
 
 }  // namespace slamdb

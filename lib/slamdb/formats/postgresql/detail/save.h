@@ -121,6 +121,9 @@ std::vector<std::int64_t> NumbersOfMaps(SaveContext& context, const std::vector<
 void SaveMapRows(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes,
                  const std::vector<rows::StoredMap>& matched, const std::vector<std::int64_t>& numbers,
                  const std::vector<ListPlans>& plans);
+// Whether there are as many cameras, repeated entries and landmarks as the atlas has: of the other tables the history
+// tells how many rows they had.
+bool HasAllOfThese(const SaveContext& context, const Atlas& atlas);
 // All of them or none.
 void SaveCamerasAndRepeated(SaveContext& context, const Atlas& atlas, const AtlasHashes& hashes,
                             const std::vector<std::int64_t>& maps);
