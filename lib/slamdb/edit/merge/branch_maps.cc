@@ -72,8 +72,8 @@ void ForEachThing(const Map& map, const Visit& visit) {
 
 // Clouds and landmarks: those that share things, and of those that share nothing those of one id.
 void JoinWithoutKeyframes(const Maps& maps, UnionFind& sets) {
-  std::unordered_map<std::uint64_t, std::uint32_t> owner,
-      by_id;  // number of the first map that has it, or is called so
+  // Numbers of the first maps that have a thing, or are called so.
+  std::unordered_map<std::uint64_t, std::uint32_t> owner, by_id;
   std::vector<std::uint8_t> shares(maps.size(), 0);
   for (std::uint32_t number = 0; number < maps.size(); ++number)
     if (maps[number].keyframes.empty())
