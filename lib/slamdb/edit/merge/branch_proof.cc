@@ -178,8 +178,10 @@ class Prover {
   }
 
   bool Claims(const Inventory& input, const Inventory::Sighting& seen) const {
-    const auto [begin, end] = std::ranges::equal_range(input.claims, PlaceOf(seen), {}, PlaceOf);
-    return std::any_of(begin, end, [&](const auto& claim) { return SurvivorOf(claim.point) == seen.point; });
+    auto claim = std::ranges::lower_bound(input.claims, PlaceOf(seen), {}, PlaceOf);
+    for (; claim != input.claims.end() && PlaceOf(*claim) == PlaceOf(seen); ++claim)
+      if (SurvivorOf(claim->point) == seen.point) return true;
+    return false;
   }
 
   void Edges() {
