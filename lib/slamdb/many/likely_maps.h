@@ -20,8 +20,8 @@ struct LikelyMap {
 };
 
 struct LikelyMaps {
-  std::vector<LikelyMap> maps;       // that most keyframes look like first
-  std::vector<std::string> unlike;   // other atlases of the store: nothing looks alike; ascending
+  std::vector<LikelyMap> maps;                    // that most keyframes look like first
+  std::vector<std::string> unlike;                // other atlases of the store: nothing looks alike; ascending
   std::vector<std::string> unknown, unreachable;  // as in StoredPlaces
 };
 
