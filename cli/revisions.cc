@@ -3,13 +3,13 @@
 
 namespace slamdb::cli {
 
+std::string WhyNoAtlasInAStore(const std::string& text) {
+  if (!Location::Parse(text).name.empty()) return {};
+  return "expected STORE.db#NAME or postgresql://USER@HOST/DATABASE#NAME, found '" + text + "'";
+}
+
 void AddRevision(CLI::App& verb, RevisionOptions& options, const std::string& help) {
-  const auto check = [](const std::string& text) {
-    return Location::Parse(text).name.empty()
-               ? "expected STORE.db#NAME or postgresql://USER@HOST/DATABASE#NAME, found '" + text + "'"
-               : std::string();
-  };
-  verb.add_option("STORE#NAME", options.atlas, help)->type_name("FILE")->required()->check(check);
+  verb.add_option("STORE#NAME", options.atlas, help)->type_name("FILE")->required()->check(WhyNoAtlasInAStore);
   AddWait(verb, options.wait);
 }
 

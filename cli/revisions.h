@@ -17,6 +17,9 @@ struct RevisionOptions {
 };
 void AddRevision(CLI::App& verb, RevisionOptions& options, const std::string& help);
 
+// Why a word names no atlas in a store; empty: it does.
+std::string WhyNoAtlasInAStore(const std::string& text);
+
 // A store that is there, to write: a name that is mistyped does not make one.
 Store OpenToChange(const std::string& path, double wait, Console& console);
 

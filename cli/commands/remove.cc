@@ -7,7 +7,6 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/revisions.h"
-#include "slamdb/base/error.h"
 #include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {
@@ -18,11 +17,6 @@ struct RemoveOptions {
   double wait = kUsualWait;
   bool json = false;
 };
-
-std::string CheckName(const std::string& text) {
-  if (!Location::Parse(text).name.empty()) return {};
-  return "expected STORE.db#NAME or postgresql://USER@HOST/DATABASE#NAME, found '" + text + "'";
-}
 
 void Remove(const std::string& atlas, const RemoveOptions& options, Console& console) {
   const Location location = Location::Parse(atlas);
@@ -52,7 +46,7 @@ Run AddRemove(CLI::App& verb) {
   verb.add_option("STORE#NAME", options->atlases, "The atlas to remove")
       ->type_name("FILE")
       ->required()
-      ->check(CheckName);
+      ->check(WhyNoAtlasInAStore);
   AddJson(verb, options->json);
   AddWait(verb, options->wait);
   return [options](Console& console) { return RunRemove(*options, console); };
