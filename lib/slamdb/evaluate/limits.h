@@ -18,7 +18,7 @@ struct EvaluationLimits {
   std::optional<double> min_paired;             // percent of the estimate's poses
   std::optional<double> min_coverage;           // percent of the truth's time span
 
-  bool any() const;
+  SLAMDB_EXPORT bool any() const;
 };
 
 // A sentence for each limit that is broken; none when all hold. What could not be measured breaks its limit, and a map

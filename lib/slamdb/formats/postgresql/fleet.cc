@@ -221,10 +221,6 @@ void MakeParts(Connection& remote, const std::string& id, std::int64_t partition
 
 using namespace postgresql;  // NOLINT(google-build-using-namespace): what follows is made of it
 
-bool Fleet::ok() const {
-  return std::ranges::all_of(partitions, [](const FleetPartition& each) { return each.failure.empty(); });
-}
-
 void InitFleet(const std::string& uri, std::uint32_t partitions, std::span<const std::string> servers,
                const FleetOptions& options) {
   const std::vector<Holder> holders = HoldersOf(servers, partitions, options);

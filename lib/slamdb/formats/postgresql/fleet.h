@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -29,7 +30,8 @@ struct FleetPartition {
 struct Fleet {
   std::vector<FleetPartition> partitions;  // by number
 
-  bool ok() const;  // all answer
+  // All answer.
+  bool ok() const { return std::ranges::all_of(partitions, &std::string::empty, &FleetPartition::failure); }
 };
 
 struct FleetOptions {
