@@ -137,8 +137,10 @@ std::vector<std::uint64_t> IdsOf(const Atlas& atlas, IdKind kind) {
   return ids;
 }
 
-std::unordered_map<std::uint64_t, const KeyFrame*> KeyFramesOf(const Atlas& atlas) {
-  std::unordered_map<std::uint64_t, const KeyFrame*> keyframes;
+using KeyFrames = std::unordered_map<std::uint64_t, const KeyFrame*>;  // by id
+
+KeyFrames KeyFramesOf(const Atlas& atlas) {
+  KeyFrames keyframes;
   for (const Map& map : atlas.maps)
     for (const KeyFrame& keyframe : map.keyframes) keyframes.emplace(keyframe.id.value(), &keyframe);
   return keyframes;
@@ -278,16 +280,16 @@ class Unifier {
   // Maps that a side gave other ids: keyframes of the base tell it, as they keep the map that they were made in.
   void MatchMaps(const std::vector<IdPair>& base_in_ours, const std::vector<IdPair>& base_in_theirs) {
     Table &base = of_base_[Row(IdKind::kMap)].known, &theirs = of_theirs_[Row(IdKind::kMap)].known;
-    base = OriginsOf(base_, ours_, base_in_ours);
-    for (const auto& [before, after] : OriginsOf(base_, theirs_, base_in_theirs)) {
+    const KeyFrames of_base = KeyFramesOf(base_);
+    base = OriginsOf(of_base, KeyFramesOf(ours_), base_in_ours);
+    for (const auto& [before, after] : OriginsOf(of_base, KeyFramesOf(theirs_), base_in_theirs)) {
       const auto in_ours = base.find(before);
       theirs.emplace(after, in_ours == base.end() ? before : in_ours->second);
     }
   }
 
   // Which origin map of the base is which of a side, where all keyframes agree on it; else none is another one.
-  static Table OriginsOf(const Atlas& base, const Atlas& side, const std::vector<IdPair>& common) {
-    const auto before = KeyFramesOf(base), after = KeyFramesOf(side);
+  static Table OriginsOf(const KeyFrames& before, const KeyFrames& after, const std::vector<IdPair>& common) {
     Table origins, back;
     for (const IdPair& pair : common) {
       const std::uint64_t was = before.at(pair.before)->origin_map, is = after.at(pair.after)->origin_map;
@@ -379,10 +381,6 @@ class Unifier {
   std::unordered_set<std::uint64_t> taken_;  // while one kind is named
 };
 
-}  // namespace
-
-namespace {
-
 // Whether `part` has deleted a keyframe of the base that `all` has as the base had it: seeing the same points, and with
 // the same neighbours. Where `all` went on with it, it stays in any merge.
 bool DeletesUntouched(const std::vector<Image>& base, const std::vector<Image>& part, const std::vector<Image>& all,
@@ -451,7 +449,11 @@ UnifiedIds UnifyIds(Branches& branches, const std::array<std::string, 3>& names,
 
 }  // namespace slamdb::detail
 
-std::size_t slamdb::CountMissingKeyframes(const Atlas& base, const Atlas& side, int threads) {
+namespace slamdb {
+
+std::size_t CountMissingKeyframes(const Atlas& base, const Atlas& side, int threads) {
   const auto images = detail::ImagesOf(base, threads);
   return images.size() - detail::MatchImages(images, detail::ImagesOf(side, threads)).size();
 }
+
+}  // namespace slamdb

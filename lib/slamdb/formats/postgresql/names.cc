@@ -9,50 +9,53 @@
 #include "slamdb/formats/postgresql/detail/schema.h"
 #include "slamdb/formats/postgresql/detail/writer_lock.h"
 #include "slamdb/formats/rows/detail/ancestry.h"
+#include "slamdb/formats/rows/detail/find_revision.h"
 
 namespace slamdb::postgresql {
 namespace {
 
 using detail::Concat;
 
-std::optional<Named> FindNewest(Connection& connection, std::string_view name) {
-  const std::optional<StoredHead> head = FindHead(connection, name);
-  if (!head) return std::nullopt;
-  return Named{head->atlas, std::string(name), head->revision, head->revision};
-}
+class Catalog : public rows::RevisionCatalog {
+ public:
+  explicit Catalog(Connection& connection) : connection_(connection) {}
 
-std::vector<std::int64_t> NumbersOf(Connection& connection, std::int64_t atlas) {
-  return connection.Query("SELECT number FROM revision WHERE atlas = $1 ORDER BY number", {atlas}, "table revision")
-      .Integers();
-}
-
-std::vector<std::string> TagsOf(Connection& connection, std::int64_t atlas) {
-  return connection.Query("SELECT name FROM tag WHERE atlas = $1 ORDER BY name COLLATE \"C\"", {atlas}, "table tag")
-      .Texts();
-}
-
-Error NotFound(Connection& connection, const Named& of, std::string_view which, std::string_view why = {}) {
-  return rows::NoSuchRevision(connection.path(), of, which, NumbersOf(connection, of.atlas),
-                              TagsOf(connection, of.atlas), why);
-}
-
-// What stands behind the @ of an atlas.
-std::int64_t NumberIn(Connection& connection, const Named& newest, std::string_view text) {
-  const rows::Which which = rows::ParseWhich(text, newest.newest, connection.path());
-  if (which.kind == rows::Which::Kind::kNumber) return which.number;
-  if (which.kind == rows::Which::Kind::kBy) {
-    const Result found = connection.Query(
-        "SELECT max(number) FROM revision JOIN history ON history.row = history WHERE revision.atlas = $1 AND "
-        "date_trunc('second', at) <= $2::text::timestamptz",
-        {newest.atlas, which.by}, "table revision");
-    if (found[0].IsNull(0)) throw NotFound(connection, newest, text, ": none that is left was saved by then");
-    return found[0].Integer(0);
+  const std::string& path() const override { return connection_.path(); }
+  std::vector<std::string> Names() override { return NamesOf(connection_); }
+  std::optional<Named> Newest(std::string_view name) override {
+    const std::optional<StoredHead> head = FindHead(connection_, name);
+    if (!head) return std::nullopt;
+    return Named{head->atlas, std::string(name), head->revision, head->revision};
   }
-  const Result found =
-      connection.Query("SELECT number FROM tag WHERE atlas = $1 AND name = $2", {newest.atlas, text}, "table tag");
-  if (found.rows() == 0) throw NotFound(connection, newest, text);
-  return found[0].Integer(0);
-}
+  std::vector<std::int64_t> Numbers(std::int64_t atlas) override {
+    return connection_.Query("SELECT number FROM revision WHERE atlas = $1 ORDER BY number", {atlas}, "table revision")
+        .Integers();
+  }
+  bool HasNumber(std::int64_t atlas, std::int64_t number) override {
+    return FirstOf("SELECT number FROM revision WHERE atlas = $1 AND number = $2", {atlas, number}).has_value();
+  }
+  std::optional<std::int64_t> LastBy(std::int64_t atlas, const std::string& time) override {
+    return FirstOf(
+        "SELECT number FROM revision JOIN history ON history.row = history WHERE revision.atlas = $1 AND "
+        "date_trunc('second', at) <= $2::text::timestamptz ORDER BY number DESC LIMIT 1",
+        {atlas, time});
+  }
+  std::optional<std::int64_t> Tagged(std::int64_t atlas, std::string_view tag) override {
+    return FirstOf("SELECT number FROM tag WHERE atlas = $1 AND name = $2", {atlas, tag});
+  }
+  std::vector<std::string> Tags(std::int64_t atlas) override {
+    return connection_.Query("SELECT name FROM tag WHERE atlas = $1 ORDER BY name COLLATE \"C\"", {atlas}, "table tag")
+        .Texts();
+  }
+
+ private:
+  std::optional<std::int64_t> FirstOf(const std::string& query, const std::vector<Parameter>& parameters) {
+    const Result found = connection_.Query(query, parameters, "table revision");
+    return found.rows() > 0 ? std::optional(found[0].Integer(0)) : std::nullopt;
+  }
+
+  Connection& connection_;
+};
 
 // The numbers that stay, ascending.
 std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, const GiveUpOptions& options) {
@@ -130,7 +133,7 @@ void DeleteRevisionsBut(Connection& connection, std::int64_t atlas, const std::v
 std::vector<std::int64_t> PlanGiveUp(Connection& connection, const Named& atlas, const GiveUpOptions& options,
                                      GiveUpReport& report) {
   std::vector<std::int64_t> gone, kept = KeptOf(connection, atlas, options);
-  std::ranges::set_difference(NumbersOf(connection, atlas.atlas), kept, std::back_inserter(gone));
+  std::ranges::set_difference(Catalog(connection).Numbers(atlas.atlas), kept, std::back_inserter(gone));
   report.atlases.push_back({atlas.name, {gone.begin(), gone.end()}, kept.size()});
   if (gone.empty()) kept.clear();
   return kept;
@@ -149,24 +152,13 @@ std::optional<StoredHead> FindHead(Connection& connection, std::string_view name
 }
 
 Named Find(Connection& connection, std::string_view text) {
-  if (std::optional<Named> whole = FindNewest(connection, text)) return *whole;
-  const std::optional<rows::SplitName> split = rows::SplitAtRevision(text);
-  std::optional<Named> named = split ? FindNewest(connection, split->name) : std::nullopt;
-  if (!named) throw rows::NoSuchAtlas(connection.path(), text, NamesOf(connection));
-  named->number = NumberIn(connection, *named, split->which);
-  const std::vector<std::int64_t> numbers = NumbersOf(connection, named->atlas);
-  if (std::ranges::find(numbers, named->number) == numbers.end()) throw NotFound(connection, *named, split->which);
-  return *named;
+  Catalog catalog(connection);
+  return rows::FindRevision(catalog, text);
 }
 
 Named Find(Connection& connection, const RevisionName& revision) {
-  std::optional<Named> named = FindNewest(connection, revision.atlas);
-  if (!named) throw rows::NoSuchAtlas(connection.path(), revision.atlas, NamesOf(connection));
-  named->number = static_cast<std::int64_t>(revision.number);
-  const std::vector<std::int64_t> numbers = NumbersOf(connection, named->atlas);
-  if (std::ranges::find(numbers, named->number) == numbers.end())
-    throw NotFound(connection, *named, std::to_string(revision.number));
-  return *named;
+  Catalog catalog(connection);
+  return rows::FindRevision(catalog, revision);
 }
 
 std::vector<std::string> NamesOf(Connection& connection) {
@@ -202,14 +194,7 @@ std::optional<RevisionName> CommonBase(Connection& connection, const Named& firs
       "revision.atlas = atlas.row ORDER BY name, number",
       {first.name, second.name}, "table revision");
   std::vector<rows::RevisionOf> all;
-  for (std::size_t i = 0; i < found.rows(); ++i) {
-    const Row row = found[i];
-    rows::RevisionOf& each = all.emplace_back();
-    each = {std::string(row.Text(0)), row.Integer(1), row.Integer(2), row.Integer(3), std::nullopt};
-    if (!row.IsNull(4))
-      each.from = RevisionName{std::string(row.Text(4)), static_cast<std::uint64_t>(row.Integer(5)),
-                               static_cast<std::uint64_t>(row.Integer(6))};
-  }
+  for (std::size_t i = 0; i < found.rows(); ++i) all.push_back(rows::RevisionOfRow(found[i]));
   return rows::CommonBase(all, first, second);
 }
 
@@ -227,7 +212,7 @@ void RemoveTag(Connection& connection, const Named& named, const std::string& ta
   const Result removed =
       connection.Query("DELETE FROM tag WHERE atlas = $1 AND name = $2", {named.atlas, tag}, "table tag");
   if (removed.changed() == 0)
-    throw rows::NoSuchTag(connection.path(), named.name, tag, TagsOf(connection, named.atlas));
+    throw rows::NoSuchTag(connection.path(), named.name, tag, Catalog(connection).Tags(named.atlas));
 }
 
 void TellGiveUp(Connection& connection, const std::string& name, const GiveUpOptions& options, GiveUpReport& report) {
@@ -254,11 +239,11 @@ void GiveUp(Connection& connection, const std::string& name, const GiveUpOptions
 
 GivenUpRows DeleteGivenUp(Connection& connection, const std::string& name, const LockOptions& lock) {
   LockAtlas(connection, name, lock);
-  const std::optional<Named> named = FindNewest(connection, name);
+  const std::optional<Named> named = Catalog(connection).Newest(name);
   if (!named) return {};
   const Partition partition = HoldPartition(connection, named->atlas, lock);
   const std::uint64_t undone = UndoUnfinished(connection, partition, named->atlas, named->newest);
-  GivenUpRows deleted = DeleteAllBut(connection, named->atlas, NumbersOf(connection, named->atlas));
+  GivenUpRows deleted = DeleteAllBut(connection, named->atlas, Catalog(connection).Numbers(named->atlas));
   deleted.rows += undone;
   return deleted;
 }

@@ -247,18 +247,11 @@ SaveReport PostgresqlStore::Save(const std::string& name, const Atlas& atlas, co
     });
   if (options.keep_equal && stored && stored->hash == hashes.Combined())
     return {.hash = static_cast<std::uint64_t>(stored->hash), .unchanged = true};
-  if (!options.overwrite && stored)
-    throw Error(ErrorKind::kAlreadyExists, path(), "",
-                "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
+  if (!options.overwrite && stored) throw rows::AtlasIsThere(path(), name);
   if (options.from && !options.recorded) HoldSource(name, *options.from);
-  if (options.onto) {
-    const std::uint64_t newest =
-        static_cast<std::uint64_t>(stored ? stored->revision : postgresql::Find(connection_, name).newest);
-    if (newest != *options.onto)
-      throw Error(ErrorKind::kLocked, path(), "",
-                  Concat("'", name, "' has revision ", newest, " by now, and this was made of ", *options.onto,
-                         ": nothing was saved; try again"));
-  }
+  if (options.onto)
+    rows::CheckIsNewest(path(), name, stored ? stored->revision : postgresql::Find(connection_, name).newest,
+                        *options.onto);
   SaveReport report = SaveAtlas(connection_, name, stored, atlas, hashes, options, lock_options(), was_edited);
   if (options.before_commit) options.before_commit();
   transaction.Commit();

@@ -108,10 +108,8 @@ std::string ListOfNames(const std::vector<std::string>& names) {
   return list.empty() ? "; the store is empty" : list;
 }
 
-Error NoSuchAtlas(const std::string& path, std::string_view text, const std::vector<std::string>& names) {
-  const std::optional<SplitName> split = SplitAtRevision(text);
-  return Error(ErrorKind::kNotFound, path, "",
-               Concat("no atlas named '", split ? split->name : text, "'", ListOfNames(names)));
+Error NoSuchAtlas(const std::string& path, std::string_view name, const std::vector<std::string>& names) {
+  return Error(ErrorKind::kNotFound, path, "", Concat("no atlas named '", name, "'", ListOfNames(names)));
 }
 
 Error NoSuchTag(const std::string& path, const std::string& atlas, const std::string& tag,
@@ -125,6 +123,18 @@ Error TagIsTaken(const std::string& path, const std::string& atlas, const std::s
   return Error(
       ErrorKind::kAlreadyExists, path, "",
       Concat("revision ", revision, " of '", atlas, "' has the tag '", tag, "' already: remove it there first"));
+}
+
+Error AtlasIsThere(const std::string& path, const std::string& name) {
+  return Error(ErrorKind::kAlreadyExists, path, "",
+               Concat("holds an atlas named '", name, "' already; WriteOptions::overwrite replaces it"));
+}
+
+void CheckIsNewest(const std::string& path, const std::string& name, std::int64_t newest, std::uint64_t onto) {
+  if (static_cast<std::uint64_t>(newest) == onto) return;
+  throw Error(ErrorKind::kLocked, path, "",
+              Concat("'", name, "' has revision ", newest, " by now, and this was made of ", onto,
+                     ": nothing was saved; try again"));
 }
 
 void CheckName(const std::string& path, const std::string& name) {

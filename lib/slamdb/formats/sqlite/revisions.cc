@@ -8,53 +8,58 @@
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/formats/rows/detail/ancestry.h"
+#include "slamdb/formats/rows/detail/find_revision.h"
 #include "slamdb/formats/sqlite/detail/pictures.h"
 
 namespace slamdb::sqlite {
 namespace {
 
-std::optional<Named> FindNewest(Database& database, std::string_view name) {
-  Statement select(database, "SELECT row, revision FROM atlas WHERE name = ?1", "table atlas");
-  if (!select.BindText(1, name).Step()) return std::nullopt;
-  return Named{select.Integer(0), std::string(name), select.Integer(1), select.Integer(1)};
-}
+class Catalog : public rows::RevisionCatalog {
+ public:
+  explicit Catalog(Database& database) : database_(database) {}
 
-std::vector<std::int64_t> NumbersOf(Database& database, std::int64_t atlas) {
-  Statement select(database, "SELECT number FROM revision WHERE atlas = ?1 ORDER BY number", "table revision");
-  return select.Bind(1, atlas).Integers();
-}
-
-std::vector<std::string> TagsOf(Database& database, std::int64_t atlas) {
-  Statement select(database, "SELECT name FROM tag WHERE atlas = ?1 ORDER BY name", "table tag");
-  select.Bind(1, atlas);
-  std::vector<std::string> tags;
-  while (select.Step()) tags.push_back(select.Text(0));
-  return tags;
-}
-
-Error NotFound(Database& database, const Named& of, std::string_view which, std::string_view why = {}) {
-  return rows::NoSuchRevision(database.path(), of, which, NumbersOf(database, of.atlas), TagsOf(database, of.atlas),
-                              why);
-}
-
-// What stands behind the @ of an atlas.
-std::int64_t NumberIn(Database& database, const Named& newest, std::string_view text) {
-  const rows::Which which = rows::ParseWhich(text, newest.newest, database.path());
-  if (which.kind == rows::Which::Kind::kNumber) return which.number;
-  if (which.kind == rows::Which::Kind::kBy) {
-    Statement select(
-        database,
-        "SELECT max(number) FROM revision JOIN history ON history.row = history WHERE revision.atlas = ?1 AND "
-        "at <= ?2",
-        "table revision");
-    if (!select.Bind(1, newest.atlas).BindText(2, which.by).Step() || select.IsNull(0))
-      throw NotFound(database, newest, text, ": none that is left was saved by then");
-    return select.Integer(0);
+  const std::string& path() const override { return database_.path(); }
+  std::vector<std::string> Names() override { return NamesOf(database_); }
+  std::optional<Named> Newest(std::string_view name) override {
+    Statement select(database_, "SELECT row, revision FROM atlas WHERE name = ?1", "table atlas");
+    if (!select.BindText(1, name).Step()) return std::nullopt;
+    return Named{select.Integer(0), std::string(name), select.Integer(1), select.Integer(1)};
   }
-  Statement select(database, "SELECT number FROM tag WHERE atlas = ?1 AND name = ?2", "table tag");
-  if (!select.Bind(1, newest.atlas).BindText(2, text).Step()) throw NotFound(database, newest, text);
-  return select.Integer(0);
-}
+  std::vector<std::int64_t> Numbers(std::int64_t atlas) override {
+    Statement select(database_, "SELECT number FROM revision WHERE atlas = ?1 ORDER BY number", "table revision");
+    return select.Bind(1, atlas).Integers();
+  }
+  bool HasNumber(std::int64_t atlas, std::int64_t number) override {
+    Statement select(database_, "SELECT 1 FROM revision WHERE atlas = ?1 AND number = ?2", "table revision");
+    return select.Bind(1, atlas).Bind(2, number).Step();
+  }
+  std::optional<std::int64_t> LastBy(std::int64_t atlas, const std::string& time) override {
+    Statement select(
+        database_,
+        "SELECT number FROM revision JOIN history ON history.row = history WHERE revision.atlas = ?1 AND at <= ?2 "
+        "ORDER BY number DESC LIMIT 1",
+        "table revision");
+    return FirstOf(select.Bind(1, atlas).BindText(2, time));
+  }
+  std::optional<std::int64_t> Tagged(std::int64_t atlas, std::string_view tag) override {
+    Statement select(database_, "SELECT number FROM tag WHERE atlas = ?1 AND name = ?2", "table tag");
+    return FirstOf(select.Bind(1, atlas).BindText(2, tag));
+  }
+  std::vector<std::string> Tags(std::int64_t atlas) override {
+    Statement select(database_, "SELECT name FROM tag WHERE atlas = ?1 ORDER BY name", "table tag");
+    select.Bind(1, atlas);
+    std::vector<std::string> tags;
+    while (select.Step()) tags.push_back(select.Text(0));
+    return tags;
+  }
+
+ private:
+  static std::optional<std::int64_t> FirstOf(Statement& select) {
+    return select.Step() ? std::optional(select.Integer(0)) : std::nullopt;
+  }
+
+  Database& database_;
+};
 
 // What revisions of other atlases were made of: name of the atlas, number, hash.
 using Sources = std::set<std::tuple<std::string, std::int64_t, std::int64_t>>;
@@ -109,7 +114,7 @@ void GiveUpAllBut(Database& database, const Named& atlas, const std::vector<std:
   for (std::size_t i = 1; i < kept.size(); ++i)
     if (kept[i] > kept[i - 1] + 1) MergePast(database, atlas.atlas, kept[i - 1] + 1, kept[i]);
   Statement remove(database, "DELETE FROM revision WHERE atlas = ?1 AND number = ?2", "table revision");
-  for (const std::int64_t number : NumbersOf(database, atlas.atlas))
+  for (const std::int64_t number : Catalog(database).Numbers(atlas.atlas))
     if (!std::ranges::binary_search(kept, number)) remove.Bind(1, atlas.atlas).Bind(2, number).Run();
 }
 
@@ -157,24 +162,13 @@ std::vector<std::string> NamesOf(Database& database) {
 }
 
 Named Find(Database& database, std::string_view text) {
-  if (std::optional<Named> whole = FindNewest(database, text)) return *whole;
-  const std::optional<rows::SplitName> split = rows::SplitAtRevision(text);
-  std::optional<Named> named = split ? FindNewest(database, split->name) : std::nullopt;
-  if (!named) throw rows::NoSuchAtlas(database.path(), text, NamesOf(database));
-  named->number = NumberIn(database, *named, split->which);
-  Statement select(database, "SELECT 1 FROM revision WHERE atlas = ?1 AND number = ?2", "table revision");
-  const bool is_known = select.Bind(1, named->atlas).Bind(2, named->number).Step();
-  if (!is_known && !named->is_newest()) throw NotFound(database, *named, split->which);
-  return *named;
+  Catalog catalog(database);
+  return rows::FindRevision(catalog, text);
 }
 
 Named Find(Database& database, const RevisionName& revision) {
-  std::optional<Named> named = FindNewest(database, revision.atlas);
-  if (!named) throw rows::NoSuchAtlas(database.path(), revision.atlas, NamesOf(database));
-  named->number = static_cast<std::int64_t>(revision.number);
-  if (!named->is_newest() && !HashOfRevision(database, named->atlas, named->number))
-    throw NotFound(database, *named, std::to_string(revision.number));
-  return *named;
+  Catalog catalog(database);
+  return rows::FindRevision(catalog, revision);
 }
 
 std::vector<RevisionChain> ReadChains(Database& database, const ChainQuery& query) {
@@ -239,7 +233,7 @@ void RemoveTag(Database& database, const Named& named, const std::string& tag) {
   Statement remove(database, "DELETE FROM tag WHERE atlas = ?1 AND name = ?2", "table tag");
   remove.Bind(1, named.atlas).BindText(2, tag).Run();
   if (sqlite3_changes(database.handle()) > 0) return;
-  throw rows::NoSuchTag(database.path(), named.name, tag, TagsOf(database, named.atlas));
+  throw rows::NoSuchTag(database.path(), named.name, tag, Catalog(database).Tags(named.atlas));
 }
 
 GiveUpReport GiveUp(Database& database, const std::string& atlas, const GiveUpOptions& options) {
@@ -257,7 +251,7 @@ GiveUpReport GiveUp(Database& database, const std::string& atlas, const GiveUpOp
   for (const Named& each : atlases) {
     const std::vector<std::int64_t> kept = KeptOf(database, each, sources, options);
     std::vector<std::int64_t> gone;
-    std::ranges::set_difference(NumbersOf(database, each.atlas), kept, std::back_inserter(gone));
+    std::ranges::set_difference(Catalog(database).Numbers(each.atlas), kept, std::back_inserter(gone));
     report.atlases.push_back({each.name, {gone.begin(), gone.end()}, kept.size()});
     if (gone.empty() || kept.empty()) continue;
     const std::vector<std::int64_t> pictures = PicturesOf(database, each.atlas);
@@ -280,13 +274,7 @@ std::optional<RevisionName> FindBase(Database& database, const Named& first, con
       "table revision");
   select.BindText(1, first.name).BindText(2, second.name);
   std::vector<rows::RevisionOf> all;
-  while (select.Step()) {
-    rows::RevisionOf& each = all.emplace_back();
-    each = {select.Text(0), select.Integer(1), select.Integer(2), select.Integer(3), std::nullopt};
-    if (!select.IsNull(4))
-      each.from = RevisionName{select.Text(4), static_cast<std::uint64_t>(select.Integer(5)),
-                               static_cast<std::uint64_t>(select.Integer(6))};
-  }
+  while (select.Step()) all.push_back(rows::RevisionOfRow(select));
   return rows::CommonBase(all, first, second);
 }
 

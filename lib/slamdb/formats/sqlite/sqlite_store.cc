@@ -179,14 +179,6 @@ Atlas LoadRevision(Database& database, const Named& named, const ReadOptions& op
   return LoadPast(database, named.atlas, past, options);
 }
 
-void CheckIsNewest(Database& database, const std::string& name, std::uint64_t revision) {
-  const auto newest = static_cast<std::uint64_t>(sqlite::Find(database, name).newest);
-  if (newest == revision) return;
-  throw Error(ErrorKind::kLocked, database.path(), "",
-              detail::Concat("'", name, "' has revision ", newest, " by now, and this was made of ", revision,
-                             ": nothing was saved; try again"));
-}
-
 std::unique_ptr<State> State::ToRead(const std::string& path, double lock_timeout) {
   CheckNotStandardStream(path);
   std::error_code ignored;
@@ -254,10 +246,9 @@ SaveReport State::SaveUnderLock(const std::string& name, const Atlas& atlas, con
     transaction.Commit();
     return {.hash = static_cast<std::uint64_t>(hashes.Combined()), .unchanged = true};
   }
-  if (!save_options.overwrite && Has(name))
-    throw Error(ErrorKind::kAlreadyExists, database.path(), "",
-                "holds an atlas named '" + name + "' already; WriteOptions::overwrite replaces it");
-  if (save_options.onto) CheckIsNewest(database, name, *save_options.onto);
+  if (!save_options.overwrite && Has(name)) throw rows::AtlasIsThere(database.path(), name);
+  if (save_options.onto)
+    rows::CheckIsNewest(database.path(), name, sqlite::Find(database, name).newest, *save_options.onto);
   const Recorded recorded = save_options.recorded ? *save_options.recorded : RecordedNow();
   SaveReport report;
   SaveAtlas(database, name, atlas, hashes, recorded.at, save_options,

@@ -20,6 +20,17 @@ struct RevisionOf {
   std::optional<RevisionName> from;  // besides the one before it
 };
 
+// Of a row with its columns: atlas, number, hash, history; what it was made of besides: atlas, number, hash.
+// `Row`: with Text, Integer and IsNull of a column.
+template <class Row>
+RevisionOf RevisionOfRow(const Row& row) {
+  RevisionOf revision{std::string(row.Text(0)), row.Integer(1), row.Integer(2), row.Integer(3), std::nullopt};
+  if (!row.IsNull(4))
+    revision.from = RevisionName{std::string(row.Text(4)), static_cast<std::uint64_t>(row.Integer(5)),
+                                 static_cast<std::uint64_t>(row.Integer(6))};
+  return revision;
+}
+
 // The newest revision that both come from. One that is again what the one before it was made of, and says so (`from`),
 // was restored, and not made of the one before. `all`: at least those of the atlases that the two were made of, and of
 // these, by atlas and number.

@@ -49,10 +49,15 @@ std::string Ranges(const std::vector<std::int64_t>& numbers);
 Error NoSuchRevision(const std::string& path, const Named& of, std::string_view which,
                      const std::vector<std::int64_t>& numbers, const std::vector<std::string>& tags,
                      std::string_view why = {});
-Error NoSuchAtlas(const std::string& path, std::string_view text, const std::vector<std::string>& names);
+Error NoSuchAtlas(const std::string& path, std::string_view name, const std::vector<std::string>& names);
 Error NoSuchTag(const std::string& path, const std::string& atlas, const std::string& tag,
                 const std::vector<std::string>& tags);
 Error TagIsTaken(const std::string& path, const std::string& atlas, const std::string& tag, std::int64_t revision);
+
+Error AtlasIsThere(const std::string& path, const std::string& name);
+
+// Throws Error (kLocked) unless the atlas' newest revision is the one that a save goes on from.
+void CheckIsNewest(const std::string& path, const std::string& name, std::int64_t newest, std::uint64_t onto);
 
 // `; it holds a, b`, for errors about names.
 std::string ListOfNames(const std::vector<std::string>& names);
