@@ -275,7 +275,7 @@ TEST_P(StoreContract, RestoredIsWhatIsAgainWhatItWasMadeOf) {
 }
 
 // As of every night: what was taken back goes, and with it what that had been restored from.
-TEST_P(StoreContract, OfWhatWasRestoredOftenOnlyTheLastStays) {
+TEST_P(StoreContract, OfWhatWasRestoredOftenTheLastStays) {
   Atlas atlas = SoundAtlas();
   Save(atlas, "lab");
   atlas.maps[0].points[0].position.x() += 1;
@@ -286,8 +286,51 @@ TEST_P(StoreContract, OfWhatWasRestoredOftenOnlyTheLastStays) {
   std::vector<std::uint64_t> numbers;
   for (const RevisionChain& chain : store.Chains({}))
     for (const RevisionChain::Link& link : chain.links) numbers.push_back(link.number);
-  EXPECT_THAT(numbers, ElementsAre(1, 3, 5, 7));
+  EXPECT_THAT(numbers, ElementsAre(7));
   ExpectHolds("lab", SoundAtlas());
+}
+
+// What was restored and went on was not made of what stays before it.
+TEST_P(StoreContract, GivingUpWhatWasRestoredChangesNoBase) {
+  Atlas atlas = SoundAtlas();
+  const auto next = [&] {
+    atlas.maps[0].points[0].position.x() += 1;
+    return atlas;
+  };
+  Save(atlas, "lab");
+  Store store = Writer();
+  store.Save("lab", next());
+  store.Branch("lab", "taken_back");
+  store.Restore("lab@1");
+  store.Save("lab", next());
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(store.CommonBase("lab", "taken_back"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
+    store.GiveUp({.keep = 1});
+  }
+  store.Remove("taken_back");
+  store.GiveUp({.keep = 1});
+  EXPECT_EQ(store.Chains({}).at(0).links.size(), 1U);
+}
+
+// As in a store to which `sync` brought a restored revision of what had been given up there.
+TEST_P(StoreContract, WhatWasRestoredOfWhatIsGoneHasNoBase) {
+  Atlas atlas = SoundAtlas();
+  const auto next = [&] {
+    atlas.maps[0].points[0].position.x() += 1;
+    return atlas;
+  };
+  Save(atlas, "lab");
+  Store store = Writer();
+  const Atlas second = next();
+  store.Save("lab", second);
+  store.Save("lab", next());
+  store.GiveUp({.keep = 1});
+  store.Branch("lab", "robot");
+  store.Save("lab", second,
+             {.from = RevisionName{"lab", 2, HashOf(second)},
+              .recorded = Recorded{.number = 4, .at = "2026-11-20T08:00:00Z", .who = "robot", .tool = "slamdb"}});
+  store.Save("lab", next());
+  EXPECT_EQ(store.CommonBase("lab", "robot"), std::nullopt);
 }
 
 // Of what is called by one name after the other, and of what others are copies of, nothing is a base.

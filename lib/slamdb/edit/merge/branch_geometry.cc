@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <span>
 
 #include "slamdb/edit/merge/detail/mixture.h"
 #include "slamdb/model/derive.h"
@@ -243,6 +245,29 @@ class ReconciledPose {
   const PoseState &ours_, &theirs_;
 };
 
+// A landmark goes with its point, which goes with its reference keyframe; one without with the keyframe next to it.
+void CarryLandmarks(const std::vector<Similarity3d>& motions, Map& map) {
+  if (map.landmarks.empty()) return;
+  const IdTable rows = KeyFrameTable(map), points = PointTable(map);
+  const auto nearest = [&](const Eigen::Vector3d& place) {
+    std::uint32_t best = kNoRow;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t row = 0; row < map.keyframes.size(); ++row) {
+      if (!IsPosed(map.keyframes[row])) continue;
+      const double distance = (CameraCenter(map.keyframes[row]).cast<double>() - place).squaredNorm();
+      if (distance < least) best = row;
+      least = std::min(least, distance);
+    }
+    return best;
+  };
+  for (Landmark& landmark : map.landmarks) {
+    const std::uint32_t point = landmark.is_numbered() ? points.Find(landmark.id.value()) : kNoRow;
+    std::uint32_t leader = point == kNoRow ? kNoRow : rows.Find(map.points[point].reference.value());
+    if (leader == kNoRow) leader = nearest(landmark.mean);
+    if (leader != kNoRow) TransformLandmarks(std::span(&landmark, 1), motions[leader]);
+  }
+}
+
 }  // namespace
 
 std::optional<Similarity3d> MeanMotion(const Map& target, const Map& source, bool with_scale) {
@@ -325,6 +350,7 @@ BranchMotion Bend(const Targets& targets, int threads, Map& map) {
     const Moved moved{std::vector<std::uint8_t>(map.keyframes.size(), 1),
                       std::vector<std::uint8_t>(map.points.size(), 0)};
     CarryAlong(map, moved, motions, after);
+    CarryLandmarks(motions, map);
   }
   Record(before, after, threads, map);
   return report;

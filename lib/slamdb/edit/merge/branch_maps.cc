@@ -6,6 +6,7 @@
 #include <optional>
 #include <tuple>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/union_find.h"
@@ -70,16 +71,32 @@ void ForEachThing(const Map& map, const Visit& visit) {
     if (landmark.is_numbered()) visit(landmark.id.value());
 }
 
+// What several maps of one atlas have tells nothing, as where each map counts its landmarks from 0.
+std::unordered_set<std::uint64_t> ThingsOfSeveral(const Maps& maps) {
+  std::unordered_set<std::uint64_t> several;
+  std::unordered_map<std::uint64_t, std::array<std::uint32_t, kAtlases>> owners;  // the last map of each atlas, from 1
+  for (std::uint32_t number = 0; number < maps.size(); ++number)
+    if (maps[number].keyframes.empty())
+      ForEachThing(maps[number], [&](std::uint64_t thing) {
+        std::uint32_t& owner = owners[thing][maps.AtlasOf(number)];
+        if (owner != 0 && owner != number + 1) several.insert(thing);
+        owner = number + 1;
+      });
+  return several;
+}
+
 // Clouds and landmarks: those that share things, and of those that share nothing those of one id.
 void JoinWithoutKeyframes(const Maps& maps, UnionFind& sets) {
+  const std::unordered_set<std::uint64_t> several = ThingsOfSeveral(maps);
   // Numbers of the first maps that have a thing, or are called so.
   std::unordered_map<std::uint64_t, std::uint32_t> owner, by_id;
   std::vector<std::uint8_t> shares(maps.size(), 0);
   for (std::uint32_t number = 0; number < maps.size(); ++number)
     if (maps[number].keyframes.empty())
       ForEachThing(maps[number], [&](std::uint64_t thing) {
+        if (several.contains(thing)) return;
         const auto [first, is_new] = owner.emplace(thing, number);
-        if (is_new || maps.AtlasOf(first->second) == maps.AtlasOf(number)) return;
+        if (is_new) return;
         sets.Join(first->second, number);
         shares[first->second] = shares[number] = 1;
       });

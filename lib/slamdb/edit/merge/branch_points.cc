@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <unordered_set>
 
+#include "slamdb/edit/merge/detail/branch_landmarks.h"
+
 namespace slamdb::detail {
 namespace {
 
@@ -38,21 +40,9 @@ void ForEachPoint(const Atlas& atlas, const Visit& visit) {
     for (const MapPoint& point : map.points) visit(point);
 }
 
-std::unordered_set<std::uint64_t> LandmarksOf(const Atlas& atlas) {
-  std::unordered_set<std::uint64_t> ids;
-  for (const Map& map : atlas.maps)
-    for (const Landmark& landmark : map.landmarks)
-      if (landmark.is_numbered()) ids.insert(landmark.id.value());
-  return ids;
-}
-
-// Of landmarks, which nothing sees, equal ids tell; one that is of a point goes by that.
-void AddLandmarks(const Atlas& base, const Atlas& side, std::vector<IdPair>& pairs) {
-  const std::unordered_set<std::uint64_t> before = LandmarksOf(base), after = LandmarksOf(side);
-  std::unordered_set<std::uint64_t> taken;
-  for (const IdPair& pair : pairs) taken.insert({pair.before, pair.after});
-  for (const std::uint64_t id : before)
-    if (after.contains(id) && !taken.contains(id)) pairs.push_back({id, id});
+void AddLandmarks(const std::vector<IdPair>& landmarks, std::vector<IdPair>& pairs) {
+  pairs.insert(pairs.end(), landmarks.begin(), landmarks.end());
+  std::ranges::sort(pairs, {}, &IdPair::before);
 }
 
 // Whether ids of points say nothing in the side. Those of keyframes may be as they were all the same, as when ids that
@@ -110,8 +100,7 @@ std::vector<IdPair> MatchPointsOfBase(const AtlasIndex& base, const AtlasIndex& 
       pairs.push_back({point.id.value(), vote.most.value()});
     }
   });
-  if (!renumbered) AddLandmarks(base.atlas(), side.atlas(), pairs);
-  std::ranges::sort(pairs, {}, &IdPair::before);
+  AddLandmarks(MatchLandmarks(base.atlas(), side.atlas(), pairs, !renumbered), pairs);
   return pairs;
 }
 
@@ -127,7 +116,10 @@ std::vector<IdPair> MatchNewPoints(const AtlasIndex& theirs, const AtlasIndex& o
     if (vote.votes == 0 || 2 * vote.votes <= vote.all || FindPoint(ours, vote.most) == nullptr) return;
     if (taken.insert(vote.most.value()).second) pairs.push_back({point.id.value(), vote.most.value()});
   });
-  std::ranges::sort(pairs, {}, &IdPair::before);
+  std::vector<IdPair> matched = pairs;
+  for (const IdPair& pair : base_in_theirs) matched.push_back({pair.after, kNoId});
+  for (const IdPair& pair : base_in_ours) matched.push_back({kNoId, pair.after});
+  AddLandmarks(MatchLandmarks(theirs.atlas(), ours.atlas(), matched, /*ids_say_something=*/false), pairs);
   return pairs;
 }
 

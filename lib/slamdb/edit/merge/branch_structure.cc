@@ -11,13 +11,6 @@
 #include "slamdb/model/detail/observed.h"
 
 namespace slamdb::detail {
-namespace {
-
-bool HasMore(const Column<KeyFrameId>& now, const Column<KeyFrameId>& before) {
-  return std::ranges::any_of(now, [&](KeyFrameId id) { return std::ranges::find(before, id) == before.end(); });
-}
-
-}  // namespace
 
 StructureReport StructureMerge::Run() {
   ListClasses();

@@ -124,13 +124,26 @@ void StructureMerge::MergePoint(const Class& of, MapPoint& ours, const MapPoint&
     merge(&MapPoint::replaced_by, "replacement");
     merge(&MapPoint::first_keyframe, "first keyframe");
     merge(&MapPoint::first_frame, "first frame");
-    merge(&MapPoint::origin_map, "origin map");
-    merge(&MapPoint::carried, "members of a fork");
+    Restore(*before, ours);
+    if (theirs.origin_map != MapPoint::kNoOrigin) merge(&MapPoint::origin_map, "origin map");
+    if (!options_.theirs_has_no_members) merge(&MapPoint::carried, "members of a fork");
     MergeReference(*before, theirs, ours);
     AddCounts(*before, theirs, &MapPoint::visible_count, ours);
     AddCounts(*before, theirs, &MapPoint::found_count, ours);
   }
   MergePosition(of, ours, theirs);
+}
+
+// What an .osa file has no place for is not deleted in one.
+void StructureMerge::Restore(const MapPoint& before, MapPoint& ours) {
+  const auto restore = [&](auto field, auto none) {
+    if (ours.*field != none || before.*field == none) return;
+    ours.*field = before.*field;
+    changed_ = true;
+  };
+  restore(&MapPoint::origin_map, MapPoint::kNoOrigin);
+  restore(&MapPoint::visible_count, MapPoint::kNoCount);
+  restore(&MapPoint::found_count, MapPoint::kNoCount);
 }
 
 void StructureMerge::AddCounts(const MapPoint& before, const MapPoint& theirs, std::int32_t MapPoint::*count,

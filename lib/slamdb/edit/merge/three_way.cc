@@ -74,6 +74,7 @@ class ThreeWayMerger {
     base_index_.emplace(branches_.base);
     classes_ = detail::PointClasses(*base_index_, AtlasIndex(branches_.ours), AtlasIndex(branches_.theirs));
     report().fused = classes_.Gone();
+    UniteLandmarks();
     our_maps_ = IdsOfMaps(branches_.ours);
     for (const MapGroup& group : detail::GroupMaps(branches_, options_.names)) MergeGroup(group);
     steps.Next();
@@ -205,6 +206,24 @@ class ThreeWayMerger {
     }
   }
 
+  static bool HasLandmarks(const Atlas& atlas) {
+    return std::ranges::any_of(atlas.maps, [](const Map& map) { return !map.landmarks.empty(); });
+  }
+
+  // Of points that a side fused. A side without any comes from a format that has no place for them.
+  void UniteLandmarks() {
+    const FuseReport fused{.replaced = report().fused};
+    for (Atlas* atlas : {&branches_.base, &branches_.ours, &branches_.theirs})
+      for (Map& map : atlas->maps) detail::FollowFusedPoints(fused, map);
+    if (!HasLandmarks(branches_.base)) return;
+    no_landmarks_ = {!HasLandmarks(branches_.ours), !HasLandmarks(branches_.theirs)};
+    for (std::size_t side = 0; side < 2; ++side)
+      if (no_landmarks_[side])
+        report().warnings.push_back(options_.names[side + 1] +
+                                    ": has no landmarks, as an .osa file has none: those of " + options_.names[0] +
+                                    (no_landmarks_[1 - side] ? " are lost" : " count as unchanged there"));
+  }
+
   static std::vector<MapId> IdsOfMaps(const Atlas& atlas) {
     std::vector<MapId> ids;
     for (const Map& map : atlas.maps) ids.push_back(map.id);
@@ -227,19 +246,41 @@ class ThreeWayMerger {
     for (const std::uint32_t row : group.theirs) unified.push_back(branches_.theirs.maps[row].id);
     if (group.ours.empty() && group.theirs.empty()) return;
     if (group.ours.empty() || group.theirs.empty()) return TakeWhole(group);
+    const detail::LandmarkPlan landmarks = PlanLandmarks(group);
     if (group.IsJoined()) detail::LayTogether(branches_, group, options_.threads);
     const Map* base = group.base.empty() ? nullptr : &branches_.base.maps[group.base.front()];
     Map &ours = branches_.ours.maps[group.ours.front()], &theirs = branches_.theirs.maps[group.theirs.front()];
     const MapId id = ours.id;
     if (ours.keyframes.empty() && theirs.keyframes.empty())
-      MergeWithoutKeyFrames(base, ours, theirs);
+      MergeWithoutKeyFrames(base, landmarks, ours, theirs);
     else
-      MergeMap(group, merged);
+      MergeMap(group, landmarks, merged);
     for (const MapId mine : merged.ours) map_of_ours_.emplace(mine.value(), id);
     for (const MapId other : unified) map_of_theirs_.emplace(other.value(), id);
     merged.map = id;
     if (merged.motion_of_ours.common + merged.motion_of_theirs.common > 0) report().maps.push_back(std::move(merged));
     parts_.push_back({group.ours.front(), std::move(ours)});
+  }
+
+  detail::LandmarkPlan PlanLandmarks(const MapGroup& group) const {
+    const auto lists = [](const Atlas& atlas, const std::vector<std::uint32_t>& rows) {
+      detail::LandmarkLists all;
+      for (const std::uint32_t row : rows) all.emplace_back(atlas.maps[row].landmarks);
+      return all;
+    };
+    const auto base = lists(branches_.base, group.base), ours = lists(branches_.ours, group.ours),
+               theirs = lists(branches_.theirs, group.theirs);
+    const auto moved = [&](const Atlas& side, const std::vector<std::uint32_t>& rows) {
+      if (group.base.empty()) return false;
+      const Map &map = side.maps[rows.front()], &before = branches_.base.maps[group.base.front()];
+      const auto motion = detail::MeanMotion(map, before, false);
+      return motion && detail::IsAnotherFrame(*motion, before);
+    };
+    const bool with_places =
+        !group.IsJoined() && !moved(branches_.ours, group.ours) && !moved(branches_.theirs, group.theirs);
+    // A side that has none, as its format has not, has them as the base does.
+    return detail::PlanLandmarks(no_landmarks_[0] ? detail::LandmarkLists() : base, ours,
+                                 no_landmarks_[1] ? base : theirs, options_.prefer, with_places);
   }
 
   // What one side made, or deleted while the other went on with it, or not.
@@ -248,7 +289,8 @@ class ThreeWayMerger {
     Atlas& atlas = is_ours ? branches_.ours : branches_.theirs;
     for (const std::uint32_t row : is_ours ? group.ours : group.theirs) {
       Map& map = atlas.maps[row];
-      if (!group.base.empty()) {
+      const bool has_no_place = map.keyframes.empty() && map.points.empty() && no_landmarks_[is_ours ? 1 : 0];
+      if (!group.base.empty() && !has_no_place) {
         if (!IsExtended(map, group)) continue;
         report().conflicts.push_back({{.map = map.id}, "deletion", is_ours ? BranchSide::kOurs : BranchSide::kTheirs});
       }
@@ -271,16 +313,22 @@ class ThreeWayMerger {
     return MapId(free);
   }
 
-  // Whether a map of the base has keyframes or observations that the base has not, or, of clouds and landmarks,
-  // anything.
+  // Whether a map of the base has keyframes, observations, edges or landmarks that the base has not, or, of clouds and
+  // landmarks alone, anything.
   bool IsExtended(const Map& map, const MapGroup& group) const {
     if (map.keyframes.empty())
       return group.base.empty() || HashAlone(map) != HashAlone(branches_.base.maps[group.base.front()]);
+    detail::LandmarkLists landmarks;
+    for (const std::uint32_t row : group.base) landmarks.emplace_back(branches_.base.maps[row].landmarks);
+    if (detail::HasOtherLandmarks(landmarks, map.landmarks)) return true;
     return std::ranges::any_of(map.keyframes, [&](const KeyFrame& keyframe) {
       const EntityRow place = base_index_->LocateKeyFrame(keyframe.id);
       if (!place) return true;
-      const Column<MapPointId>& now = keyframe.features.map_points;
-      const Column<MapPointId>& before = branches_.base.maps[place.map].keyframes[place.row].features.map_points;
+      const KeyFrame& was = branches_.base.maps[place.map].keyframes[place.row];
+      const Column<MapPointId>&now = keyframe.features.map_points, &before = was.features.map_points;
+      if (detail::HasMore(keyframe.loop_edges, was.loop_edges) ||
+          detail::HasMore(keyframe.merge_edges, was.merge_edges))
+        return true;
       for (std::size_t slot = 0; slot < now.size(); ++slot)
         if (now[slot] && (slot >= before.size() || classes_.Of(now[slot]) != classes_.Of(before[slot]))) return true;
       return false;
@@ -296,10 +344,10 @@ class ThreeWayMerger {
   }
 
   // Clouds and landmarks, of which nothing but ids tells what is what.
-  void MergeWithoutKeyFrames(const Map* base, Map& ours, Map& theirs) {
+  void MergeWithoutKeyFrames(const Map* base, const detail::LandmarkPlan& landmarks, Map& ours, Map& theirs) {
     if (ours.points.empty() && theirs.points.empty()) {
       detail::StructureReport merged =
-          detail::MergeStructure(base, ours, theirs, classes_, {}, {}, StructureOptionsOf(false));
+          detail::MergeStructure(base, ours, theirs, classes_, {}, {}, StructureOptionsOf(landmarks, false));
       took_any_ = took_any_ || merged.took_any;
       std::ranges::move(merged.conflicts, std::back_inserter(report().conflicts));
       return;
@@ -321,22 +369,24 @@ class ThreeWayMerger {
     }
   }
 
-  detail::StructureOptions StructureOptionsOf(bool flags_of_ours) const {
+  detail::StructureOptions StructureOptionsOf(const detail::LandmarkPlan& landmarks, bool flags_of_ours) const {
     return {.prefer = options_.prefer,
             .geometry = options_.geometry,
             .flags_of_ours = flags_of_ours,
+            .theirs_has_no_members = branches_.theirs.layout.empty() && !branches_.base.layout.empty(),
+            .landmarks = landmarks,
             .threads = options_.threads};
   }
 
-  void MergeMap(const MapGroup& group, MergedBranchMap& merged) {
+  void MergeMap(const MapGroup& group, const detail::LandmarkPlan& landmarks, MergedBranchMap& merged) {
     Map* base = group.base.empty() ? nullptr : &branches_.base.maps[group.base.front()];
     Map &ours = branches_.ours.maps[group.ours.front()], &theirs = branches_.theirs.maps[group.theirs.front()];
     const bool flags_of_ours = !group.IsJoined() && ChooseFrame(base, ours, theirs, merged);
     const std::vector<std::uint8_t> moved_by_ours = MovedPoints(base, ours),
                                     moved_by_theirs = MovedPoints(base, theirs);
     BendSides(base, ours, theirs, merged);
-    detail::StructureReport structure = detail::MergeStructure(base, ours, theirs, classes_, moved_by_ours,
-                                                               moved_by_theirs, StructureOptionsOf(flags_of_ours));
+    detail::StructureReport structure = detail::MergeStructure(
+        base, ours, theirs, classes_, moved_by_ours, moved_by_theirs, StructureOptionsOf(landmarks, flags_of_ours));
     took_any_ = took_any_ || structure.took_any;
     report().dangling += structure.dangling;
     merged.recounted = structure.recounted;
@@ -476,6 +526,7 @@ class ThreeWayMerger {
   std::unordered_set<std::uint64_t> map_ids_;                             // of the result; filled when first needed
   std::uint64_t cleared_ = 0;                                             // keypoints that fusing emptied
   bool took_any_ = false;                                                 // something of theirs is in the result
+  std::array<bool, 2> no_landmarks_{};  // whether ours, theirs have none though the base has
 };
 
 }  // namespace

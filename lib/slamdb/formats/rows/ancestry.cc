@@ -68,6 +68,7 @@ class Ancestry {
   bool IsRestored(Row row) {
     const RevisionOf& of = all_[row];
     if (!of.from || !HasOneBefore(row) || of.hash != static_cast<std::int64_t>(of.from->hash)) return false;
+    if (of.from->atlas == of.atlas) return true;  // of an earlier one, which may be given up
     const std::vector<Row> behind = Of(row - 1);
     const auto is_source = [&](Row other) { return other != row && all_[other].hash == of.hash; };
     return std::ranges::any_of(behind, is_source);

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <set>
+#include <utility>
 
 #include "slamdb/base/detail/concat.h"
 #include "slamdb/base/detail/date_times.h"
@@ -53,6 +53,23 @@ std::optional<std::string> EndOf(std::string_view which) {
 std::string DaysAgo(double days) {
   const auto now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   return detail::DateTimeText(std::max(0.0, std::floor(now - days * 86400))).value_or("");
+}
+
+// Behind one that stays, those that were restored tell what the next ones were made of: without them that would be the
+// one before the gap. They stay, and what they were restored from.
+void KeepRestored(const std::vector<KeptRevision>& all, std::vector<std::uint8_t>& stays) {
+  for (bool grows = true; grows;) {
+    grows = false;
+    const auto keep = [&](std::size_t i) { grows |= std::exchange(stays[i], 1) == 0; };
+    const auto first = static_cast<std::size_t>(std::ranges::find(stays, 1) - stays.begin());
+    for (std::size_t i = first + 1; i < all.size(); ++i) {
+      if (all[i].restored_from == 0) continue;
+      keep(i);
+      const auto source = std::ranges::lower_bound(all, all[i].restored_from, {}, &KeptRevision::number);
+      if (source != all.end() && source->number == all[i].restored_from)
+        keep(static_cast<std::size_t>(source - all.begin()));
+    }
+  }
 }
 
 }  // namespace
@@ -159,16 +176,13 @@ std::int64_t NextNumber(const std::string& path, const std::optional<Recorded>& 
 std::vector<std::int64_t> KeptOf(const std::vector<KeptRevision>& all, const GiveUpOptions& options) {
   const std::string since = options.keep_days ? DaysAgo(*options.keep_days) : std::string("9999");
   const std::uint64_t last = std::min<std::uint64_t>(std::max<std::uint64_t>(options.keep.value_or(1), 1), all.size());
+  std::vector<std::uint8_t> stays(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    stays[i] = i + last >= all.size() || all[i].at >= since || all[i].is_needed;
+  KeepRestored(all, stays);
   std::vector<std::int64_t> kept;
-  std::set<std::int64_t> sources;  // of what stays
-  for (std::size_t i = all.size(); i-- > 0;) {
-    const KeptRevision& each = all[i];
-    const bool is_newest = i + last >= all.size() || each.at >= since;
-    if (!is_newest && !each.is_needed && !sources.contains(each.number)) continue;
-    kept.push_back(each.number);
-    sources.insert(each.restored_from);
-  }
-  std::ranges::reverse(kept);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (stays[i]) kept.push_back(all[i].number);
   return kept;
 }
 

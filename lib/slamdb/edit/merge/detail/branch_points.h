@@ -22,12 +22,11 @@ PointVote VoteOn(const MapPoint& point, const AtlasIndex& other);
 
 // {id in the base, id in the side}, ascending: of equal ids, and a keypoint sees both; or none of the base's sees
 // another one, and the first keyframe and frame are the same. In a side that was renumbered, where keypoints mostly see
-// other points than those of equal id, those that most keypoints see. And landmarks of equal ids, where they say
-// something.
+// other points than those of equal id, those that most keypoints see. And landmarks (branch_landmarks.h).
 std::vector<IdPair> MatchPointsOfBase(const AtlasIndex& base, const AtlasIndex& side);
 
 // {id in theirs, id in ours}, ascending: of points that are not in the base, those that most keypoints of theirs see in
-// ours.
+// ours. And landmarks.
 std::vector<IdPair> MatchNewPoints(const AtlasIndex& theirs, const AtlasIndex& ours,
                                    const std::vector<IdPair>& base_in_theirs, const std::vector<IdPair>& base_in_ours);
 

@@ -122,6 +122,7 @@ class StructureMerge {
   // just so.
   void CullPoints();
   void MergePoint(const Class& of, MapPoint& ours, const MapPoint& theirs);
+  void Restore(const MapPoint& before, MapPoint& ours);
   void AddCounts(const MapPoint& before, const MapPoint& theirs, std::int32_t MapPoint::*count, MapPoint& ours);
   // The reference keyframe is where a point is measured from; another one is no conflict, as nothing of it is lost.
   void MergeReference(const MapPoint& before, const MapPoint& theirs, MapPoint& ours);
@@ -133,7 +134,6 @@ class StructureMerge {
   // ---- the map (branch_structure_map.cc)
   void MergeHeader();
   void MergeLandmarks();
-  void MergeLandmark(const Landmark* before, const Landmark& theirs, Landmark& ours);
 
   // ---- what follows (branch_structure.cc)
   void Close();

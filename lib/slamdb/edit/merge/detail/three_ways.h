@@ -32,6 +32,11 @@ bool AreFieldsEqual(const Entity& a, const Entity& b, const Walk& walk) {
   return std::ranges::equal(first.bytes(), second.bytes());
 }
 
+// Whether a list has an id that it had not.
+inline bool HasMore(const Column<KeyFrameId>& now, const Column<KeyFrameId>& before) {
+  return std::ranges::any_of(now, [&](KeyFrameId id) { return std::ranges::find(before, id) == before.end(); });
+}
+
 template <class Entity, class Walk>
 void CopyFields(const Entity& from, Entity& to, const Walk& walk) {
   walk([&](std::string_view, auto... members) { Member(to, members...) = Member(from, members...); });

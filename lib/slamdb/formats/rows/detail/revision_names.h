@@ -84,7 +84,7 @@ struct KeptRevision {
   std::int64_t number = 0;
   std::string at;                  // saved
   bool is_needed = false;          // by a tag, a branch or a merge
-  std::int64_t restored_from = 0;  // an earlier one of the same atlas, which stays with it; 0: it was not
+  std::int64_t restored_from = 0;  // an earlier one of the same atlas; 0: it was not
 };
 // The numbers that stay, ascending, as `all` does.
 std::vector<std::int64_t> KeptOf(const std::vector<KeptRevision>& all, const GiveUpOptions& options);

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/merge/detail/branch_landmarks.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "slamdb/edit/merge/detail/three_ways.h"
+#include "slamdb/model/detail/row_hash.h"
+
+namespace slamdb::detail {
+namespace {
+
+// What tells a landmark of a map: its id, or else its content, and how many alike are before it.
+using Key = std::tuple<std::uint64_t, std::int64_t, std::size_t>;
+
+struct Entry {
+  std::uint32_t row = 0;
+  std::int64_t content = 0;
+};
+
+using Entries = std::map<Key, Entry>;
+
+Entries EntriesOf(const LandmarkLists& lists, bool with_places) {
+  Entries entries;
+  std::uint32_t row = 0;
+  std::unordered_map<std::int64_t, std::size_t> alike;
+  for (const std::span<const Landmark> list : lists)
+    for (const Landmark& landmark : list) {
+      const std::int64_t content = ContentOf(landmark, with_places);
+      const Key key = landmark.is_numbered() ? Key(landmark.id.value(), 0, 0) : Key(kNoId, content, alike[content]++);
+      entries.emplace(key, Entry{row++, content});
+    }
+  return entries;
+}
+
+const Entry* Find(const Entries& entries, const Key& key) {
+  const auto found = entries.find(key);
+  return found == entries.end() ? nullptr : &found->second;
+}
+
+std::size_t SizeOf(const LandmarkLists& lists) {
+  std::size_t size = 0;
+  for (const std::span<const Landmark> list : lists) size += list.size();
+  return size;
+}
+
+// Ids of landmarks by content, of those that are in no pair yet; kNoId where several have it.
+std::unordered_map<std::int64_t, std::uint64_t> ByContent(const Atlas& atlas,
+                                                          const std::unordered_set<std::uint64_t>& taken) {
+  std::unordered_map<std::int64_t, std::uint64_t> ids;
+  for (const Map& map : atlas.maps)
+    for (const Landmark& landmark : map.landmarks) {
+      if (!landmark.is_numbered() || taken.contains(landmark.id.value())) continue;
+      const auto [found, is_new] = ids.emplace(ContentOf(landmark), landmark.id.value());
+      if (!is_new) found->second = kNoId;
+    }
+  return ids;
+}
+
+std::unordered_set<std::uint64_t> IdsOf(const Atlas& atlas) {
+  std::unordered_set<std::uint64_t> ids;
+  for (const Map& map : atlas.maps)
+    for (const Landmark& landmark : map.landmarks)
+      if (landmark.is_numbered()) ids.insert(landmark.id.value());
+  return ids;
+}
+
+}  // namespace
+
+std::int64_t ContentOf(const Landmark& landmark, bool with_place) {
+  Landmark content = landmark;
+  content.id = {};
+  if (!with_place) {
+    content.mean = content.normal = Eigen::Vector3d::Zero();
+    content.set_pose({content.mean, Eigen::Matrix3d::Zero()});
+  }
+  return HashOf(content);
+}
+
+std::vector<IdPair> MatchLandmarks(const Atlas& from, const Atlas& to, const std::vector<IdPair>& known,
+                                   bool ids_say_something) {
+  std::unordered_set<std::uint64_t> from_taken, to_taken;
+  for (const IdPair& pair : known) {
+    from_taken.insert(pair.before);
+    to_taken.insert(pair.after);
+  }
+  std::vector<IdPair> pairs;
+  const std::unordered_set<std::uint64_t> there = ids_say_something ? IdsOf(to) : std::unordered_set<std::uint64_t>();
+  for (const std::uint64_t id : IdsOf(from))
+    if (there.contains(id) && !from_taken.contains(id) && to_taken.insert(id).second) {
+      from_taken.insert(id);
+      pairs.push_back({id, id});
+    }
+  const auto alike = ByContent(to, to_taken);
+  for (const auto& [content, id] : ByContent(from, from_taken))
+    if (const auto found = alike.find(content); id != kNoId && found != alike.end() && found->second != kNoId)
+      pairs.push_back({id, found->second});
+  std::ranges::sort(pairs, {}, &IdPair::before);
+  return pairs;
+}
+
+LandmarkPlan PlanLandmarks(const LandmarkLists& base, const LandmarkLists& ours, const LandmarkLists& theirs,
+                           BranchSide prefer, bool with_places) {
+  const Entries before = EntriesOf(base, with_places), mine = EntriesOf(ours, with_places),
+                other = EntriesOf(theirs, with_places);
+  LandmarkPlan plan{.ours_stays = std::vector<std::uint8_t>(SizeOf(ours), 1),
+                    .theirs_is_new = std::vector<std::uint8_t>(SizeOf(theirs), 0),
+                    .replacement = std::vector<std::optional<std::uint32_t>>(SizeOf(ours)),
+                    .conflicts = {}};
+  const auto conflict = [&](const Key& key, std::string_view what, BranchSide taken) {
+    plan.conflicts.push_back({{.landmark = LandmarkId(std::get<0>(key))}, what, taken});
+  };
+  for (const auto& [key, our] : mine) {
+    const Entry *was = Find(before, key), *their = Find(other, key);
+    if (their == nullptr) {
+      if (was == nullptr) continue;
+      plan.ours_stays[our.row] = was->content != our.content;
+      if (was->content != our.content) conflict(key, "deletion", BranchSide::kOurs);
+      continue;
+    }
+    const Pick pick = PickOf(was == nullptr ? nullptr : &was->content, our.content, their->content);
+    if (pick == Pick::kConflict) conflict(key, "landmark", prefer);
+    if (pick == Pick::kTheirs || (pick == Pick::kConflict && prefer == BranchSide::kTheirs))
+      plan.replacement[our.row] = their->row;
+  }
+  for (const auto& [key, their] : other) {
+    const Entry* was = Find(before, key);
+    if (Find(mine, key) != nullptr || (was != nullptr && was->content == their.content)) continue;
+    if (was != nullptr) conflict(key, "deletion", BranchSide::kTheirs);
+    plan.theirs_is_new[their.row] = 1;
+  }
+  return plan;
+}
+
+bool LandmarkPlan::Apply(std::vector<Landmark>& ours, const std::vector<Landmark>& theirs) const {
+  bool took_any = false;
+  std::vector<Landmark> result;
+  result.reserve(ours.size() + theirs.size());
+  for (std::size_t row = 0; row < ours.size(); ++row) {
+    if (!ours_stays[row]) continue;
+    took_any |= replacement[row].has_value();
+    result.push_back(replacement[row] ? theirs[*replacement[row]] : std::move(ours[row]));
+  }
+  for (std::size_t row = 0; row < theirs.size(); ++row) {
+    if (!theirs_is_new[row]) continue;
+    took_any = true;
+    result.push_back(theirs[row]);
+  }
+  ours = std::move(result);
+  return took_any;
+}
+
+bool HasOtherLandmarks(const LandmarkLists& base, std::span<const Landmark> list) {
+  const Entries before = EntriesOf(base, true);
+  return std::ranges::any_of(EntriesOf({list}, true), [&](const auto& each) {
+    const Entry* was = Find(before, each.first);
+    return was == nullptr || was->content != each.second.content;
+  });
+}
+
+}  // namespace slamdb::detail
