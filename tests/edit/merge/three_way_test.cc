@@ -12,6 +12,7 @@
 #include "slamdb/edit/ids/renumber.h"
 #include "slamdb/edit/merge/merge.h"
 #include "slamdb/edit/part/subset.h"
+#include "slamdb/formats/formats.h"
 #include "slamdb/model/counters.h"
 #include "slamdb/model/derive.h"
 #include "slamdb/model/digest.h"
@@ -191,6 +192,17 @@ TEST_P(ThreeWays, TheOrderOfTheSidesDoesNotMatter) {
     for (const KeyFrame& keyframe : other.atlas.maps[0].keyframes)
       EXPECT_LT((centers.at(keyframe.timestamp) - CameraCenter(keyframe)).norm(), 1e-4F);
   }
+}
+
+// As of one session in parts, whose points keep their ids: many have one keypoint in the base and others beyond it.
+TEST(ThreeWayPoints, NewOnesOfEqualIdsThatAKeypointSeesAreOne) {
+  const Atlas whole = ReadAtlas(SLAMDB_FIXTURES "/session_small_a/session_small_a.osa");
+  const Atlas base = Part(whole, [](std::size_t row) { return row < 7; }),
+              ours = Part(whole, [](std::size_t row) { return row < 8; }),
+              theirs = Part(whole, [](std::size_t row) { return row < 7 || row == 8; });
+  const ThreeWayResult merged = MergeThreeWays(base, ours, theirs);
+  EXPECT_THAT(merged.report.dropped_points, IsEmpty());
+  EXPECT_THAT(merged.report.conflicts, IsEmpty());
 }
 
 // ---- one thing at a time

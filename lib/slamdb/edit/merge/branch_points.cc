@@ -112,6 +112,11 @@ std::vector<IdPair> MatchNewPoints(const AtlasIndex& theirs, const AtlasIndex& o
   std::vector<IdPair> pairs;
   ForEachPoint(theirs.atlas(), [&](const MapPoint& point) {
     if (known.contains(point.id.value())) return;
+    const MapPoint* same = FindPoint(ours, point.id);
+    if (same != nullptr && SharesSighting(point, *same) && taken.insert(point.id.value()).second) {
+      pairs.push_back({point.id.value(), point.id.value()});
+      return;
+    }
     const PointVote vote = VoteOn(point, ours);
     if (vote.votes == 0 || 2 * vote.votes <= vote.all || FindPoint(ours, vote.most) == nullptr) return;
     if (taken.insert(vote.most.value()).second) pairs.push_back({point.id.value(), vote.most.value()});
