@@ -119,6 +119,29 @@ TEST(ThreeWayLandmarks, GoWithTheMapThatIsBent) {
   EXPECT_LT((merged.atlas.maps[0].landmarks[2].mean - Eigen::Vector3d(0.4, 0, 0)).norm(), 1e-4);
 }
 
+// Wherever the merge puts these.
+TEST(ThreeWayLandmarks, StayAtTheirPoints) {
+  const Branched branched = Branch(kWorlds[4]);
+  const MapPointId id = branched.base.maps[0].points[3].id;
+  const auto with = [&](Atlas atlas, float shift, std::uint32_t seen) {
+    MapPoint& point = atlas.maps[0].points.at(PointTable(atlas.maps[0]).Find(id.value()));
+    point.position.x() += shift;
+    Landmark landmark = LandmarkAt(id.value(), point.position.cast<double>() + Eigen::Vector3d(0, 0.25, 0));
+    landmark.seen_count = seen;
+    return WithOwnLandmarks(atlas, {landmark});
+  };
+  const Atlas base = with(branched.base, 0, 1), ours = with(branched.ours, 0, 2),
+              theirs = with(branched.theirs, 0.5, 1);
+  for (const bool swapped : {false, true}) {
+    const ThreeWayResult merged = swapped ? MergeThreeWays(base, theirs, ours) : MergeThreeWays(base, ours, theirs);
+    const Map& map = merged.atlas.maps[0];
+    const Eigen::Vector3d place = map.points.at(PointTable(map).Find(id.value())).position.cast<double>();
+    EXPECT_GT(place.x(), base.maps[0].points[3].position.x() + 0.1);
+    ASSERT_THAT(map.landmarks, SizeIs(1));
+    EXPECT_LT((map.landmarks[0].mean - place - Eigen::Vector3d(0, 0.25, 0)).norm(), 1e-5) << swapped;
+  }
+}
+
 TEST(ThreeWayLandmarks, OfPointsThatASideFusedBecomeOne) {
   const Branched branched = Branch(kWorlds[4]);
   const auto all = [](Atlas atlas) {

@@ -4,7 +4,7 @@
 
 #include "slamdb/base/detail/union_find.h"
 #include "slamdb/edit/merge/detail/branch_points.h"
-#include "slamdb/edit/merge/detail/branch_structure.h"
+#include "slamdb/edit/merge/detail/point_classes.h"
 
 namespace slamdb::detail {
 namespace {

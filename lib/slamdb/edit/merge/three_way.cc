@@ -385,6 +385,7 @@ class ThreeWayMerger {
     const std::vector<std::uint8_t> moved_by_ours = MovedPoints(base, ours),
                                     moved_by_theirs = MovedPoints(base, theirs);
     BendSides(base, ours, theirs, merged);
+    const detail::LandmarkOffsets offsets = detail::OffsetsFromPoints(landmarks, ours, theirs, classes_);
     detail::StructureReport structure = detail::MergeStructure(
         base, ours, theirs, classes_, moved_by_ours, moved_by_theirs, StructureOptionsOf(landmarks, flags_of_ours));
     took_any_ = took_any_ || structure.took_any;
@@ -392,6 +393,7 @@ class ThreeWayMerger {
     merged.recounted = structure.recounted;
     std::ranges::move(structure.conflicts, std::back_inserter(report().conflicts));
     Fuse(structure, ours, merged);
+    detail::PutBesidePoints(offsets, ours);
   }
 
   // A side that lies in another frame than the base, or has another unit, keeps both: the others are moved there as a

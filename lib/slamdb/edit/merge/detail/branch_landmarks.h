@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "slamdb/edit/merge/detail/branch_points.h"
+#include "slamdb/edit/merge/detail/point_classes.h"
 #include "slamdb/edit/merge/three_way.h"
 
 // Landmarks of three atlases, of which ids alone tell what is what; of those without id, what they are.
@@ -36,6 +38,13 @@ using LandmarkLists = std::vector<std::span<const Landmark>>;  // of maps that b
 // With `with_places` a landmark that is elsewhere is another one, as where nothing else of the map has moved.
 LandmarkPlan PlanLandmarks(const LandmarkLists& base, const LandmarkLists& ours, const LandmarkLists& theirs,
                            BranchSide prefer, bool with_places);
+
+// Of landmarks of the result by id, how far they are from their points in the side that they come from.
+using LandmarkOffsets = std::unordered_map<std::uint64_t, Eigen::Vector3d>;
+LandmarkOffsets OffsetsFromPoints(const LandmarkPlan& plan, const Map& ours, const Map& theirs,
+                                  const PointClasses& classes);
+// Puts them as far from where these points are now.
+void PutBesidePoints(const LandmarkOffsets& offsets, Map& map);
 
 // Whether a list has a landmark that the base has not, or otherwise.
 bool HasOtherLandmarks(const LandmarkLists& base, std::span<const Landmark> list);

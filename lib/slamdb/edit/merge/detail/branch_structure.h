@@ -7,30 +7,13 @@
 #include <vector>
 
 #include "slamdb/edit/merge/detail/branch_landmarks.h"
+#include "slamdb/edit/merge/detail/point_classes.h"
 #include "slamdb/edit/merge/three_way.h"
 #include "slamdb/model/atlas.h"
 #include "slamdb/model/index.h"
 
 // Which things of three atlases are in what is made of two of them. Equal ids are one thing in all maps.
 namespace slamdb::detail {
-
-// Points that a side replaced by others. All that go into one form a class, which goes by the name of one of them: of
-// those that ours has, else of those that theirs has, the one of the lowest id.
-class PointClasses {
- public:
-  PointClasses() = default;
-  PointClasses(const AtlasIndex& base, const AtlasIndex& ours, const AtlasIndex& theirs);
-
-  MapPointId Of(MapPointId id) const {
-    const auto found = classes_.find(id.value());
-    return found == classes_.end() ? id : MapPointId(found->second);
-  }
-  // {gone, the name of its class}, ascending.
-  std::vector<std::pair<MapPointId, MapPointId>> Gone() const;
-
- private:
-  std::unordered_map<std::uint64_t, std::uint64_t> classes_;
-};
 
 struct StructureOptions {
   BranchSide prefer = BranchSide::kOurs;
