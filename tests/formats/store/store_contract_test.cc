@@ -17,6 +17,7 @@
 #include "slamdb/model/digest.h"
 #include "slamdb/synthetic/synthesize.h"
 #include "tests/formats/store/atlases.h"
+#include "tests/support/kind_of.h"
 #include "tests/support/postgresql_server.h"
 
 namespace slamdb::store_test {
@@ -310,6 +311,16 @@ TEST_P(StoreContract, GivingUpWhatWasRestoredChangesNoBase) {
   store.Remove("taken_back");
   store.GiveUp({.keep = 1});
   EXPECT_EQ(store.Chains({}).at(0).links.size(), 1U);
+}
+
+TEST_P(StoreContract, WhatAnAtlasIsMadeOfIsStillThere) {
+  Save(SoundAtlas(), "lab");
+  Save(OddAtlas(), "lab");
+  Store store = Writer();
+  const RevisionName given_up = store.FindRevision("lab@1");
+  store.GiveUp({.keep = 1});
+  EXPECT_EQ(KindOf([&] { store.Save("robot", SoundAtlas(), {.from = given_up}); }), ErrorKind::kNotFound);
+  EXPECT_THAT(store.Names(), ElementsAre("lab"));
 }
 
 // As in a store to which `sync` brought a restored revision of what had been given up there.

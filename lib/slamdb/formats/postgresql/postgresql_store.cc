@@ -183,7 +183,7 @@ class PostgresqlStore : public detail::StoreBackend {
   // That what the atlas `name` is made of is there, and stays until that is saved.
   void HoldSource(const std::string& name, const RevisionName& source) {
     if (source.atlas != name) LockAtlas(connection_, source.atlas, lock_options());
-    postgresql::Find(connection_, source.ToString());
+    postgresql::Find(connection_, source);
   }
   // Of the atlas that NAME or NAME@WHICH stands for.
   std::string NameAlone(const std::string& name) { return postgresql::Find(connection_, name).name; }

@@ -247,6 +247,8 @@ SaveReport State::SaveUnderLock(const std::string& name, const Atlas& atlas, con
     return {.hash = static_cast<std::uint64_t>(hashes.Combined()), .unchanged = true};
   }
   if (!save_options.overwrite && Has(name)) throw rows::AtlasIsThere(database.path(), name);
+  // What it is made of is there, or was given up since it was read.
+  if (save_options.from && !save_options.recorded) sqlite::Find(database, *save_options.from);
   if (save_options.onto)
     rows::CheckIsNewest(database.path(), name, sqlite::Find(database, name).newest, *save_options.onto);
   const Recorded recorded = save_options.recorded ? *save_options.recorded : RecordedNow();
