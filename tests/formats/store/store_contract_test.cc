@@ -70,6 +70,12 @@ class StoreContract : public ::testing::TestWithParam<Keeper> {
 INSTANTIATE_TEST_SUITE_P(All, StoreContract, ::testing::Values(Keeper::kSqlite, Keeper::kPostgresql),
                          [](const auto& each) { return NameOf(each.param); });
 
+// The atlas itself, as somebody goes on with it.
+Atlas MovedOn(Atlas& atlas) {
+  atlas.maps[0].points[0].position.x() += 1;
+  return atlas;
+}
+
 TEST_P(StoreContract, KeepsEverythingThatIsHardToKeep) {
   const Atlas odd = OddAtlas();
   EXPECT_TRUE(Store::IsYetToBeMade(path_));
@@ -202,20 +208,16 @@ TEST_P(StoreContract, TagsBranchesAndRestores) {
 // A robot that takes what was merged as it is, and both go on: that is what they come from by then.
 TEST_P(StoreContract, WhatIsTheSameIsTheBaseWhoeverSavedIt) {
   Atlas atlas = SoundAtlas();
-  const auto next = [&] {
-    atlas.maps[0].points[0].position.x() += 1;
-    return atlas;
-  };
   Save(atlas, "lab");
   Store store = Writer();
   store.Branch("lab", "robot");
-  store.Save("robot", next());
-  store.Save("lab", next(), {.from = store.FindRevision("robot")});
+  store.Save("robot", MovedOn(atlas));
+  store.Save("lab", MovedOn(atlas), {.from = store.FindRevision("robot")});
   store.Save("robot", atlas);
   EXPECT_EQ(store.CommonBase("lab", "robot")->hash, HashOf(atlas));
   const std::uint64_t merged = HashOf(atlas);
-  store.Save("lab", next());
-  store.Save("robot", next());
+  store.Save("lab", MovedOn(atlas));
+  store.Save("robot", MovedOn(atlas));
   EXPECT_EQ(store.CommonBase("lab", "robot"), (RevisionName{"lab", 2, merged}));
   EXPECT_EQ(store.CommonBase("robot", "lab"), (RevisionName{"lab", 2, merged}));
   // Taken back and forth no base is lost.
@@ -227,17 +229,13 @@ TEST_P(StoreContract, WhatIsTheSameIsTheBaseWhoeverSavedIt) {
 // What was restored was made of what it was restored from, and not of what it took the place of; both stay.
 TEST_P(StoreContract, WhatWasTakenBackIsNoBase) {
   Atlas atlas = SoundAtlas();
-  const auto next = [&] {
-    atlas.maps[0].points[0].position.x() += 1;
-    return atlas;
-  };
   Save(atlas, "lab");
   Store store = Writer();
-  store.Save("lab", next());
+  store.Save("lab", MovedOn(atlas));
   store.Branch("lab", "taken_back");
   store.Restore("lab@1");
   store.Branch("lab", "robot");
-  store.Save("robot", next());
+  store.Save("robot", MovedOn(atlas));
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(store.CommonBase("taken_back", "robot"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
     EXPECT_EQ(store.CommonBase("lab", "taken_back"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
@@ -249,29 +247,25 @@ TEST_P(StoreContract, WhatWasTakenBackIsNoBase) {
 // A restored revision is one also in the branch that a sync made of it, and a merge of an earlier one is none.
 TEST_P(StoreContract, RestoredIsWhatIsAgainWhatItWasMadeOf) {
   Atlas atlas = SoundAtlas();
-  const auto next = [&] {
-    atlas.maps[0].points[0].position.x() += 1;
-    return atlas;
-  };
   const Atlas first = atlas;
   Save(first, "lab");
   Store store = Writer();
-  store.Save("lab", next());
+  store.Save("lab", MovedOn(atlas));
   store.Branch("lab", "lab-of-robot");
   store.Save("lab-of-robot", first, {.from = RevisionName{"lab", 1, HashOf(first)}});
-  store.Save("lab-of-robot", next());
-  store.Save("lab", next());
+  store.Save("lab-of-robot", MovedOn(atlas));
+  store.Save("lab", MovedOn(atlas));
   EXPECT_EQ(store.CommonBase("lab", "lab-of-robot")->ToString(), "lab@1");
 
   Save(first, "hall");
-  store.Save("hall", next());
+  store.Save("hall", MovedOn(atlas));
   store.Restore("hall@1");
-  const Atlas line = next();
+  const Atlas line = MovedOn(atlas);
   store.Save("hall", line);
   store.Branch("hall", "robot");
-  store.Save("hall", next(), {.from = store.FindRevision("hall@2")});
-  store.Save("hall", next());
-  store.Save("robot", next());
+  store.Save("hall", MovedOn(atlas), {.from = store.FindRevision("hall@2")});
+  store.Save("hall", MovedOn(atlas));
+  store.Save("robot", MovedOn(atlas));
   EXPECT_EQ(store.CommonBase("hall", "robot")->hash, HashOf(line));
 }
 
@@ -294,16 +288,12 @@ TEST_P(StoreContract, OfWhatWasRestoredOftenTheLastStays) {
 // What was restored and went on was not made of what stays before it.
 TEST_P(StoreContract, GivingUpWhatWasRestoredChangesNoBase) {
   Atlas atlas = SoundAtlas();
-  const auto next = [&] {
-    atlas.maps[0].points[0].position.x() += 1;
-    return atlas;
-  };
   Save(atlas, "lab");
   Store store = Writer();
-  store.Save("lab", next());
+  store.Save("lab", MovedOn(atlas));
   store.Branch("lab", "taken_back");
   store.Restore("lab@1");
-  store.Save("lab", next());
+  store.Save("lab", MovedOn(atlas));
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(store.CommonBase("lab", "taken_back"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
     store.GiveUp({.keep = 1});
@@ -326,21 +316,17 @@ TEST_P(StoreContract, WhatAnAtlasIsMadeOfIsStillThere) {
 // As in a store to which `sync` brought a restored revision of what had been given up there.
 TEST_P(StoreContract, WhatWasRestoredOfWhatIsGoneHasNoBase) {
   Atlas atlas = SoundAtlas();
-  const auto next = [&] {
-    atlas.maps[0].points[0].position.x() += 1;
-    return atlas;
-  };
   Save(atlas, "lab");
   Store store = Writer();
-  const Atlas second = next();
+  const Atlas second = MovedOn(atlas);
   store.Save("lab", second);
-  store.Save("lab", next());
+  store.Save("lab", MovedOn(atlas));
   store.GiveUp({.keep = 1});
   store.Branch("lab", "robot");
   store.Save("lab", second,
              {.from = RevisionName{"lab", 2, HashOf(second)},
               .recorded = Recorded{.number = 4, .at = "2026-11-20T08:00:00Z", .who = "robot", .tool = "slamdb"}});
-  store.Save("lab", next());
+  store.Save("lab", MovedOn(atlas));
   EXPECT_EQ(store.CommonBase("lab", "robot"), std::nullopt);
 }
 
@@ -361,20 +347,16 @@ TEST_P(StoreContract, OneContentAloneIsNoBase) {
 // Whatever others have of it, and however they are called.
 TEST_P(StoreContract, CopiesOfWhatIsBetweenChangeNoBase) {
   Atlas atlas = SoundAtlas();
-  const auto next = [&] {
-    atlas.maps[0].points[0].position.x() += 1;
-    return atlas;
-  };
   Store store = Writer();
   store.Save("lab", atlas);
   store.Branch("lab", "zrobot");
-  const Atlas second = next();
+  const Atlas second = MovedOn(atlas);
   store.Save("backup", second);
   store.Save("lab", second);
   store.Branch("lab", "alpha");
   store.Save("alpha", SoundAtlas());
-  store.Save("lab", next());
-  store.Save("zrobot", next());
+  store.Save("lab", MovedOn(atlas));
+  store.Save("zrobot", MovedOn(atlas));
   EXPECT_EQ(store.CommonBase("lab", "zrobot"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
   EXPECT_EQ(store.CommonBase("zrobot", "lab"), (RevisionName{"lab", 1, HashOf(SoundAtlas())}));
 }
