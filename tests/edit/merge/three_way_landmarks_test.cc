@@ -101,6 +101,19 @@ TEST(ThreeWayLandmarks, WhatAFormatHasNoPlaceForIsNotDeleted) {
   }
 }
 
+// Also where one side alone has gone on.
+TEST(ThreeWayLandmarks, OfASideThatWentOnAloneAreThoseOfTheBase) {
+  const Branched branched = Branch(kWorlds[4]);
+  const Atlas base = WithLandmarks(branched.base, {{9001, 1}});
+  for (const bool swapped : {false, true}) {
+    const ThreeWayResult merged =
+        swapped ? MergeThreeWays(base, branched.theirs, base) : MergeThreeWays(base, base, branched.theirs);
+    EXPECT_EQ(LandmarksOf(merged.atlas), (std::multiset<double>{1})) << swapped;
+    EXPECT_EQ(merged.atlas.maps[0].keyframes.size(), kOld + kNew);
+    EXPECT_THAT(merged.report.conflicts, IsEmpty());
+  }
+}
+
 // Those of a side that is laid onto the other go with its points.
 TEST(ThreeWayLandmarks, GoWithTheMapThatIsBent) {
   const Branched branched = Branch(kWorlds[4]);

@@ -153,21 +153,21 @@ bool LandmarkPlan::Apply(std::vector<Landmark>& ours, const std::vector<Landmark
   return took_any;
 }
 
-LandmarkOffsets OffsetsFromPoints(const LandmarkPlan& plan, const Map& ours, const Map& theirs,
-                                  const PointClasses& classes) {
-  LandmarkOffsets offsets;
+PlacesOfPoints PlacesOfTheirPoints(const LandmarkPlan& plan, const Map& ours, const Map& theirs,
+                                   const PointClasses& classes) {
+  PlacesOfPoints all;
   const auto add = [&](const Map& side, const auto& is_taken) {
     if (side.landmarks.empty()) return;
-    std::unordered_map<std::uint64_t, Eigen::Vector3f> places;
+    PlacesOfPoints places;
     for (const MapPoint& point : side.points) {
-      places.emplace(classes.Of(point.id).value(), point.position);
-      if (classes.Of(point.id) == point.id) places[point.id.value()] = point.position;
+      const MapPointId name = classes.Of(point.id);
+      const auto [place, is_new] = places.emplace(name.value(), point.position);
+      if (name == point.id) place->second = point.position;
     }
     for (std::size_t row = 0; row < side.landmarks.size(); ++row) {
       const Landmark& landmark = side.landmarks[row];
       const auto place = landmark.is_numbered() ? places.find(landmark.id.value()) : places.end();
-      if (place != places.end() && is_taken(row))
-        offsets.insert_or_assign(place->first, landmark.mean - place->second.cast<double>());
+      if (place != places.end() && is_taken(row)) all.insert_or_assign(place->first, place->second);
     }
   };
   std::vector<std::uint8_t> taken = plan.theirs_is_new;
@@ -175,18 +175,18 @@ LandmarkOffsets OffsetsFromPoints(const LandmarkPlan& plan, const Map& ours, con
     if (row) taken[*row] = 1;
   add(ours, [&](std::size_t row) { return plan.ours_stays[row] != 0; });
   add(theirs, [&](std::size_t row) { return taken[row] != 0; });
-  return offsets;
+  return all;
 }
 
-void PutBesidePoints(const LandmarkOffsets& offsets, Map& map) {
-  if (offsets.empty()) return;
+void FollowPoints(const PlacesOfPoints& before, Map& map) {
+  if (before.empty()) return;
   const IdTable points = PointTable(map);
   for (Landmark& landmark : map.landmarks) {
-    const auto offset = landmark.is_numbered() ? offsets.find(landmark.id.value()) : offsets.end();
-    const std::uint32_t point = offset == offsets.end() ? kNoRow : points.Find(landmark.id.value());
-    if (point == kNoRow) continue;
-    const Eigen::Vector3d place = map.points[point].position.cast<double>() + offset->second;
-    if (place.allFinite()) landmark.mean = place;
+    const auto was = landmark.is_numbered() ? before.find(landmark.id.value()) : before.end();
+    const std::uint32_t point = was == before.end() ? kNoRow : points.Find(landmark.id.value());
+    if (point == kNoRow || map.points[point].position == was->second) continue;
+    const Eigen::Vector3d moved = (map.points[point].position - was->second).cast<double>();
+    if (moved.allFinite()) landmark.mean += moved;
   }
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "slamdb/edit/merge/detail/point_classes.h"
+
 #include <algorithm>
 #include <vector>
 
 #include "slamdb/base/detail/union_find.h"
 #include "slamdb/edit/merge/detail/branch_points.h"
-#include "slamdb/edit/merge/detail/point_classes.h"
 
 namespace slamdb::detail {
 namespace {

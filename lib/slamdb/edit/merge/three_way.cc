@@ -115,10 +115,27 @@ class ThreeWayMerger {
       report().contains = detail::FindContaining(branches_, options_.threads);
     if (!report().same && !report().unchanged && !report().contains) return false;
     const bool is_theirs = report().unchanged == BranchSide::kOurs || report().contains == BranchSide::kTheirs;
+    if (!report().same && LacksAPlace(is_theirs ? branches_.theirs : branches_.ours)) {
+      report().unchanged = report().contains = std::nullopt;
+      return false;
+    }
     result_.atlas = is_theirs ? branches_.theirs : branches_.ours;
     report().result = report().counts[is_theirs ? 2 : 1];
     if (options_.id_maps) RecordTrivialIds(is_theirs);
     return true;
+  }
+
+  // Whether a side comes from a format that has no place for what the base has, as an .osa file.
+  bool LacksAPlace(const Atlas& side) const {
+    return (HasLandmarks(branches_.base) && !HasLandmarks(side)) || (HasTracking(branches_.base) && !HasTracking(side));
+  }
+  static bool HasLandmarks(const Atlas& atlas) {
+    return std::ranges::any_of(atlas.maps, [](const Map& map) { return !map.landmarks.empty(); });
+  }
+  static bool HasTracking(const Atlas& atlas) {
+    return std::ranges::any_of(atlas.maps, [](const Map& map) {
+      return std::ranges::any_of(map.points, [](const MapPoint& point) { return point.has_tracking(); });
+    });
   }
 
   // Where everything of the two sides is in the one that is the result.
@@ -204,10 +221,6 @@ class ThreeWayMerger {
         if (carried->empty()) carried.Reset();
       });
     }
-  }
-
-  static bool HasLandmarks(const Atlas& atlas) {
-    return std::ranges::any_of(atlas.maps, [](const Map& map) { return !map.landmarks.empty(); });
   }
 
   // Of points that a side fused. A side without any comes from a format that has no place for them.
@@ -385,7 +398,7 @@ class ThreeWayMerger {
     const std::vector<std::uint8_t> moved_by_ours = MovedPoints(base, ours),
                                     moved_by_theirs = MovedPoints(base, theirs);
     BendSides(base, ours, theirs, merged);
-    const detail::LandmarkOffsets offsets = detail::OffsetsFromPoints(landmarks, ours, theirs, classes_);
+    const detail::PlacesOfPoints places = detail::PlacesOfTheirPoints(landmarks, ours, theirs, classes_);
     detail::StructureReport structure = detail::MergeStructure(
         base, ours, theirs, classes_, moved_by_ours, moved_by_theirs, StructureOptionsOf(landmarks, flags_of_ours));
     took_any_ = took_any_ || structure.took_any;
@@ -393,7 +406,7 @@ class ThreeWayMerger {
     merged.recounted = structure.recounted;
     std::ranges::move(structure.conflicts, std::back_inserter(report().conflicts));
     Fuse(structure, ours, merged);
-    detail::PutBesidePoints(offsets, ours);
+    detail::FollowPoints(places, ours);
   }
 
   // A side that lies in another frame than the base, or has another unit, keeps both: the others are moved there as a

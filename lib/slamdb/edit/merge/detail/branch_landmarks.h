@@ -39,12 +39,12 @@ using LandmarkLists = std::vector<std::span<const Landmark>>;  // of maps that b
 LandmarkPlan PlanLandmarks(const LandmarkLists& base, const LandmarkLists& ours, const LandmarkLists& theirs,
                            BranchSide prefer, bool with_places);
 
-// Of landmarks of the result by id, how far they are from their points in the side that they come from.
-using LandmarkOffsets = std::unordered_map<std::uint64_t, Eigen::Vector3d>;
-LandmarkOffsets OffsetsFromPoints(const LandmarkPlan& plan, const Map& ours, const Map& theirs,
-                                  const PointClasses& classes);
-// Puts them as far from where these points are now.
-void PutBesidePoints(const LandmarkOffsets& offsets, Map& map);
+// Of landmarks of the result by id, where their points are in the side that they come from.
+using PlacesOfPoints = std::unordered_map<std::uint64_t, Eigen::Vector3f>;
+PlacesOfPoints PlacesOfTheirPoints(const LandmarkPlan& plan, const Map& ours, const Map& theirs,
+                                   const PointClasses& classes);
+// Moves landmarks as far as these points have moved since.
+void FollowPoints(const PlacesOfPoints& before, Map& map);
 
 // Whether a list has a landmark that the base has not, or otherwise.
 bool HasOtherLandmarks(const LandmarkLists& base, std::span<const Landmark> list);
