@@ -82,5 +82,52 @@ TEST(Chains, AreComparedAlikeFromBothSides) {
   }
 }
 
+// Likewise, with what either gave up.
+struct GivenUpLines {
+  const char* what;
+  RevisionChain first, second;
+  State state;
+  std::size_t missing = 0;
+};
+
+RevisionChain ChainOf(const Links& given_up, const Links& links) { return {.links = links, .given_up = given_up}; }
+
+TEST(Chains, AreComparedAsIfNothingHadBeenGivenUp) {
+  const std::vector<GivenUpLines> all = {
+      {"one went on, and gave up what the other has", ChainOf({}, {{1, 10}}),
+       ChainOf({{1, 10}, {2, 20}}, {{3, 30}, {4, 40}}), State::kFirstBehind, 0},
+      {"of what the other lacks a part can be read", ChainOf({}, {{1, 10}, {2, 20}}),
+       ChainOf({{2, 20}, {4, 40}}, {{1, 10}, {3, 30}, {5, 50}}), State::kFirstBehind, 1},
+      {"both went on", ChainOf({}, {{1, 10}, {2, 21}}), ChainOf({{1, 10}, {2, 20}}, {{3, 30}}), State::kDiverged, 0},
+      {"both went on, what both have is given up in one", ChainOf({{2, 20}}, {{1, 10}, {3, 31}}),
+       ChainOf({}, {{1, 10}, {2, 20}, {3, 30}}), State::kDiverged, 1},
+      {"both went on, and gave up what both had", ChainOf({{1, 10}}, {{2, 21}}), ChainOf({{1, 10}}, {{2, 20}}),
+       State::kDiverged, 0},
+      {"restored there, and given up what that was", ChainOf({}, {{1, 10}, {2, 20}, {3, 30}}),
+       ChainOf({{1, 10}, {2, 20}, {3, 30}}, {{4, 10}}), State::kFirstBehind, 0},
+      {"restored there, gone on here", ChainOf({}, {{1, 10}, {2, 20}, {3, 30}}), ChainOf({{1, 10}, {2, 20}}, {{3, 10}}),
+       State::kDiverged, 0},
+      {"other numbers", ChainOf({}, {{7, 10}}), ChainOf({{1, 10}}, {{2, 20}}), State::kFirstBehind, 0},
+  };
+  for (const GivenUpLines& lines : all) {
+    EXPECT_TRUE(DependsOnGivenUp(lines.first, lines.second)) << lines.what;
+    const Compared compared = Compare(lines.first, lines.second);
+    EXPECT_EQ(compared.state, lines.state) << lines.what;
+    EXPECT_EQ(compared.missing, lines.missing) << lines.what;
+    const State turned = Compare(lines.second, lines.first).state;
+    EXPECT_EQ(turned == State::kDiverged, lines.state == State::kDiverged) << lines.what;
+    EXPECT_EQ(turned == State::kSecondBehind, lines.state == State::kFirstBehind) << lines.what;
+  }
+}
+
+TEST(Chains, OfWhichOneIsTheBeginningOfTheOtherNeedNoLog) {
+  const RevisionChain none, one{.links = {{3, 30}}}, two{.links = {{3, 30}, {4, 40}}}, other{.links = {{3, 31}}};
+  EXPECT_FALSE(DependsOnGivenUp(none, two));
+  EXPECT_FALSE(DependsOnGivenUp(one, two));
+  EXPECT_FALSE(DependsOnGivenUp(two, one));
+  EXPECT_FALSE(DependsOnGivenUp(two, two));
+  EXPECT_TRUE(DependsOnGivenUp(two, other));
+}
+
 }  // namespace
 }  // namespace slamdb::detail

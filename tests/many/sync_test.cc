@@ -227,6 +227,115 @@ TEST_P(SyncTest, NumbersStayWhereRevisionsWereGivenUp) {
   ExpectNothingToDo();
 }
 
+// Each as the first and as the second, `sync` having been run before.
+class GaveUpTest : public SyncTest {
+ protected:
+  // Saves revisions `begin` to `end` of an atlas that goes on, each by a step of `by` more.
+  static void GoOn(const std::string& path, Atlas& atlas, int begin, int end, int by = 0) {
+    for (int i = begin; i <= end; ++i) {
+      Change(atlas, i + by);
+      EXPECT_EQ(Save(path, "a", atlas).revision, static_cast<std::uint64_t>(i));
+    }
+  }
+  // Of the other store: what it lacks comes to it, and both are the same then.
+  void ExpectFollows(const std::string& follower, const std::string& revisions) const {
+    const std::string where = follower == first_ ? " to first" : " to second";
+    EXPECT_THAT(Told(Sync()), ElementsAre("copied a " + revisions + where));
+    EXPECT_EQ(Store::Open(first_).List()[0].hash, Store::Open(second_).List()[0].hash);
+    ExpectNothingToDo();
+  }
+  std::vector<std::pair<std::string, std::string>> BothWays() const { return {{first_, second_}, {second_, first_}}; }
+  void StartAnew() {
+    for (const std::string& path : {first_, second_}) Writer(path).Remove("a");
+  }
+};
+INSTANTIATE_TEST_SUITE_P(All, GaveUpTest,
+                         ::testing::Values(Pair{Keeper::kFile, Keeper::kFile}, Pair{Keeper::kFile, Keeper::kServer},
+                                           Pair{Keeper::kServer, Keeper::kServer}),
+                         NameOfPair);
+
+TEST_P(GaveUpTest, WhatTheOtherHasAsItsNewest) {
+  for (const auto& [behind, ahead] : BothWays()) {
+    Atlas atlas = SaveSome(behind, "a", 1);
+    Sync();
+    GoOn(ahead, atlas, 2, 5);
+    Writer(ahead).GiveUp({.keep = 3});
+    ExpectFollows(behind, "3 4 5");
+    GoOn(behind, atlas, 6, 8);
+    Writer(behind).GiveUp({.keep = 1});
+    ExpectFollows(ahead, "8");
+    StartAnew();
+  }
+}
+
+TEST_P(GaveUpTest, WhatWasBeforeARestore) {
+  for (const auto& [behind, ahead] : BothWays()) {
+    Atlas atlas = SaveSome(behind, "a", 3);
+    Sync();
+    Writer(ahead).Restore("a@2");
+    Writer(ahead).GiveUp({.keep = 1});
+    ExpectFollows(behind, "4");
+    EXPECT_EQ(Store::Open(behind).FindRevision("a").hash, Store::Open(behind).FindRevision("a@2").hash);
+    StartAnew();
+  }
+}
+
+// By its content alone it would look like what the other has before its newest.
+TEST_P(GaveUpTest, ARestoredOneStaysTheNewest) {
+  for (const auto& [behind, ahead] : BothWays()) {
+    Atlas atlas = SaveSome(behind, "a", 3);
+    Sync();
+    const Atlas second = Store::Open(ahead).Load("a@2");
+    EXPECT_EQ(Save(ahead, "a", second).revision, 4U);
+    Writer(ahead).GiveUp({.keep = 1});
+    ExpectFollows(behind, "4");
+    EXPECT_EQ(FirstDifference(Store::Open(ahead).Load("a"), second), "");
+    StartAnew();
+  }
+}
+
+TEST_P(GaveUpTest, AndBothWentOn) {
+  for (const auto& [one, other] : BothWays()) {
+    Atlas ours = SaveSome(one, "a", 1), theirs = ours;
+    Sync();
+    GoOn(one, ours, 2, 4);
+    GoOn(other, theirs, 2, 4, 10);
+    Writer(one).GiveUp({.keep = 2});
+    EXPECT_THAT(Told(Sync()), ElementsAre("diverged a"));
+    Writer(other).GiveUp({.keep = 1});
+    EXPECT_THAT(Told(Sync()), ElementsAre("diverged a"));
+    EXPECT_EQ(FirstDifference(Store::Open(one).Load("a"), ours), "");
+    EXPECT_EQ(FirstDifference(Store::Open(other).Load("a"), theirs), "");
+    StartAnew();
+  }
+}
+
+// What the log tells of an atlas that was removed is none of the next of that name.
+TEST_P(GaveUpTest, OfAnotherAtlasOfThatName) {
+  for (const auto& [one, other] : BothWays()) {
+    SaveSome(one, "a", 1);
+    Sync();
+    Writer(other).Remove("a");
+    SaveSome(other, "a", 3, 2);
+    Writer(other).GiveUp({.keep = 1});
+    EXPECT_THAT(Told(Sync()), ElementsAre("diverged a"));
+    StartAnew();
+  }
+}
+
+TEST_P(GaveUpTest, WhatABranchCannotBeginWith) {
+  Atlas ours = SaveSome(first_, "a", 1), theirs = ours;
+  Sync();
+  GoOn(first_, ours, 2, 3);
+  GoOn(second_, theirs, 2, 2, 10);
+  Writer(first_).GiveUp({.keep = 1});
+  const SyncReport report = Sync({.branch_diverged = true});
+  ASSERT_THAT(report.atlases, SizeIs(1));
+  EXPECT_THAT(report.atlases[0].revisions, ElementsAre(3));
+  EXPECT_EQ(FirstDifference(Store::Open(second_).Load(report.atlases[0].branch), ours), "");
+  EXPECT_EQ(FirstDifference(Store::Open(second_).Load("a"), theirs), "");
+}
+
 // As after a restore whose revisions between were given up: the same content twice in a row.
 TEST_P(SyncTest, RevisionsThatAreAlikeStayTwo) {
   SaveSome(first_, "a", 2);

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <compare>
-#include <tuple>
+#include <iterator>
 #include <unordered_map>
 #include <utility>
 
@@ -55,21 +55,53 @@ std::size_t FirstMadeOf(const std::vector<Link>& other, const std::vector<Link>&
   return begin;
 }
 
+Split SplitOf(const std::vector<Link>& first, const std::vector<Link>& second) {
+  return SplitByHash(first, second, SplitByNumber(first, second));
+}
+
+// All links that a store ever had, as far as is known.
+std::vector<Link> Whole(const RevisionChain& chain) {
+  std::vector<Link> whole;
+  std::ranges::merge(chain.links, chain.given_up, std::back_inserter(whole), {}, &Link::number, &Link::number);
+  return whole;
+}
+
+// The first that can be read of a whole chain's links from that one on: its newest can always.
+std::size_t FirstFrom(const RevisionChain& chain, const Link& link) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(chain.links, link.number, {}, &Link::number) -
+                                  chain.links.begin());
+}
+
+// Behind the last link of the first before `of_first` that can be read in both, the other's being before `of_second`.
+std::size_t BehindReadable(const RevisionChain& first, const Link& of_first, const RevisionChain& second,
+                           const Link& of_second) {
+  const auto before = [](const RevisionChain& chain, const Link& link) {
+    return std::vector(chain.links.begin(), chain.links.begin() + static_cast<std::ptrdiff_t>(FirstFrom(chain, link)));
+  };
+  return SplitOf(before(first, of_first), before(second, of_second)).first;
+}
+
 }  // namespace
 
 Compared Compare(const RevisionChain& first, const RevisionChain& second) {
   using enum Compared::State;
-  const auto& [of_first, of_second] = std::tie(first.links, second.links);
-  const Split split = SplitByHash(of_first, of_second, SplitByNumber(of_first, of_second));
+  const std::vector<Link> of_first = Whole(first), of_second = Whole(second);
+  const Split split = SplitOf(of_first, of_second);
   const bool first_went_on = split.first < of_first.size(), second_went_on = split.second < of_second.size();
   if (!first_went_on && !second_went_on) return {};
-  if (!first_went_on) return {kFirstBehind, split.second};
-  if (!second_went_on) return {kSecondBehind, split.first};
+  if (!first_went_on) return {kFirstBehind, FirstFrom(second, of_second[split.second])};
+  if (!second_went_on) return {kSecondBehind, FirstFrom(first, of_first[split.first])};
   if (const std::size_t made = FirstMadeOf(of_first, of_second, split.second); made < of_second.size())
-    return {kFirstBehind, made};
+    return {kFirstBehind, FirstFrom(second, of_second[made])};
   if (const std::size_t made = FirstMadeOf(of_second, of_first, split.first); made < of_first.size())
-    return {kSecondBehind, made};
-  return {kDiverged, split.first};
+    return {kSecondBehind, FirstFrom(first, of_first[made])};
+  return {kDiverged, BehindReadable(first, of_first[split.first], second, of_second[split.second])};
+}
+
+bool DependsOnGivenUp(const RevisionChain& first, const RevisionChain& second) {
+  const auto is_same = [](const Link& a, const Link& b) { return a.number == b.number && a.hash == b.hash; };
+  const auto [of_first, of_second] = std::ranges::mismatch(first.links, second.links, is_same);
+  return of_first != first.links.end() && of_second != second.links.end();
 }
 
 std::uint64_t NumberOf(const RevisionChain& chain, const RevisionChain::Link& link) {
@@ -84,10 +116,14 @@ std::uint64_t HashOf(const RevisionChain& chain, std::uint64_t number) {
   return found == chain.links.end() ? 0 : found->hash;
 }
 
-RevisionChain TakeChain(std::vector<RevisionChain>& chains, const std::string& name) {
+RevisionChain* FindChain(std::vector<RevisionChain>& chains, const std::string& name) {
   const auto found = std::ranges::lower_bound(chains, name, {}, &RevisionChain::name);
-  if (found == chains.end() || found->name != name) return {.name = name};
-  return std::exchange(*found, {.name = name});
+  return found == chains.end() || found->name != name ? nullptr : &*found;
+}
+
+RevisionChain TakeChain(std::vector<RevisionChain>& chains, const std::string& name) {
+  RevisionChain* const found = FindChain(chains, name);
+  return found == nullptr ? RevisionChain{.name = name} : std::exchange(*found, {.name = name});
 }
 
 }  // namespace slamdb::detail

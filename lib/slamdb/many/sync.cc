@@ -44,8 +44,8 @@ class Side {
     if (is_missing()) return {};
     return ToRead().Chains(query);
   }
-  RevisionChain Chain(const std::string& name) {
-    std::vector<RevisionChain> found = Chains({.names = {name}});
+  RevisionChain Chain(const std::string& name, bool given_up) {
+    std::vector<RevisionChain> found = Chains({.names = {name}, .given_up = given_up});
     return found.empty() ? RevisionChain{.name = name} : std::move(found.front());
   }
   Store& ToRead() {
@@ -173,6 +173,7 @@ class Syncer {
       for (const auto* chains : {&first, &second})
         if (chains->size() == kPage) names.erase(names.upper_bound(chains->back().name), names.end());
     if (names.empty()) return false;
+    AddGivenUp(names, first, second);
     std::size_t done = 0;
     for (const std::string& name : names) {
       Tell(name, static_cast<double>(done++) / static_cast<double>(names.size()));
@@ -180,6 +181,20 @@ class Syncer {
       done_ = name;
     }
     return true;
+  }
+  // Asks again for those where it may make a difference, with what was given up. In one question: a file goes through
+  // all of its log for it.
+  void AddGivenUp(const std::set<std::string>& names, std::vector<RevisionChain>& first,
+                  std::vector<RevisionChain>& second) {
+    ChainQuery query{.count = kPage, .given_up = true};
+    for (const RevisionChain& chain : first) {
+      const RevisionChain* const other = detail::FindChain(second, chain.name);
+      if (other != nullptr && names.contains(chain.name) && detail::DependsOnGivenUp(chain, *other))
+        query.names.push_back(chain.name);
+    }
+    if (query.names.empty()) return;
+    for (RevisionChain& chain : first_.Chains(query)) *detail::FindChain(first, chain.name) = std::move(chain);
+    for (RevisionChain& chain : second_.Chains(query)) *detail::FindChain(second, chain.name) = std::move(chain);
   }
   void Finish() {
     SyncedAtlas atlas = std::exchange(current_, {});
@@ -217,8 +232,8 @@ class Syncer {
   bool HasChanged(const std::string& name, RevisionChain& first, RevisionChain& second) {
     const auto newest = [](const RevisionChain& chain) { return chain.links.empty() ? 0 : chain.links.back().number; };
     const std::pair before(newest(first), newest(second));
-    first = first_.Chain(name);
-    second = second_.Chain(name);
+    first = first_.Chain(name, true);
+    second = second_.Chain(name, true);
     return before != std::pair(newest(first), newest(second));
   }
 
@@ -298,7 +313,7 @@ class Syncer {
   void Branch(SyncedAtlas& atlas, const RevisionChain& first, const RevisionChain& second, std::size_t missing) {
     const HistoryEntry newest = first_.ToRead().LogOf({first.name, first.links.back().number});
     atlas.branch = Concat(first.name, "-of-", HostOf(newest.who));
-    RevisionChain branch = second_.Chain(atlas.branch);
+    RevisionChain branch = second_.Chain(atlas.branch, false);
     RevisionChain line = first;
     if (missing > 0)
       line.links.erase(line.links.begin(), line.links.begin() + static_cast<std::ptrdiff_t>(missing) - 1);

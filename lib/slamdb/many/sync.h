@@ -77,7 +77,7 @@ struct SyncOptions {
 // its hash; so nothing that was interrupted needs to be cleaned up: the next call goes on with the next revision.
 //   An atlas that was removed from one store comes back from the other.
 //   Revisions that were given up in one store stay there in the other, and do not come back: only what is newer is
-//   copied.
+//   copied. Nor has a store diverged that gave up what the other has as its newest: its log tells that it had that.
 //   Where one side merged what the newest revision of the other is (`from`), the other is behind it.
 // A store is made where something is to be copied to it and it is missing.
 //

@@ -330,6 +330,32 @@ TEST_P(StoreContract, WhatWasRestoredOfWhatIsGoneHasNoBase) {
   EXPECT_EQ(store.CommonBase("lab", "robot"), std::nullopt);
 }
 
+TEST_P(StoreContract, ChainsTellOfWhatWasGivenUp) {
+  Atlas atlas = SoundAtlas();
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> saved;
+  Store store = Writer();
+  store.Save("other", atlas);
+  for (int i = 1; i <= 4; ++i) {
+    const SaveReport report = store.Save("lab", MovedOn(atlas));
+    saved.emplace_back(report.revision, report.hash);
+  }
+  store.Save("lab", atlas);  // no revision
+  store.Tag("lab@2", "kept");
+  const auto given_up = [&](bool asked) {
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> found;
+    for (const RevisionChain& chain : store.Chains({.given_up = asked}))
+      for (const RevisionChain::Link& link : chain.given_up) found.emplace_back(link.number, link.hash);
+    return found;
+  };
+  EXPECT_THAT(given_up(true), IsEmpty());
+  store.GiveUp({.keep = 1});
+  EXPECT_THAT(given_up(true), ElementsAre(saved[0], saved[2]));
+  EXPECT_THAT(given_up(false), IsEmpty());
+  store.Remove("lab");
+  store.Save("lab", atlas);
+  EXPECT_THAT(given_up(true), IsEmpty());
+}
+
 // Of what is called by one name after the other, and of what others are copies of, nothing is a base.
 TEST_P(StoreContract, OneContentAloneIsNoBase) {
   const Atlas hall = SoundAtlas(), corridor = OddAtlas();

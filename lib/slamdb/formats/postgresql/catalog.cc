@@ -2,7 +2,6 @@
 #include "slamdb/formats/postgresql/detail/catalog.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <variant>
@@ -124,21 +123,33 @@ std::vector<HistoryEntry> ReadEntries(Connection& connection, std::string_view w
   return entries;
 }
 
-RevisionChain ReadChain(Connection& connection, const Row& row) {
-  RevisionChain chain{.name = std::string(row.Text(0))};
-  std::array<std::vector<std::int64_t>, 4> lists;  // numbers, hashes; and of those that were made of something besides
-  for (std::size_t column = 0; column < lists.size(); ++column) row.Integers64(column + 1, lists[column]);
-  const auto& [numbers, hashes, made, from] = lists;
-  if (numbers.size() != hashes.size() || made.size() != from.size())
+std::vector<std::int64_t> Integers64(const Row& row, std::size_t column) {
+  std::vector<std::int64_t> values;
+  row.Integers64(column, values);
+  return values;
+}
+
+// Of two columns: numbers, and hashes.
+std::vector<RevisionChain::Link> ReadLinks(Connection& connection, const Row& row, std::size_t column) {
+  const std::vector<std::int64_t> numbers = Integers64(row, column), hashes = Integers64(row, column + 1);
+  if (numbers.size() != hashes.size())
     throw Error(ErrorKind::kDamaged, connection.path(), "table revision", "lists of different lengths");
+  std::vector<RevisionChain::Link> links;
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    links.push_back({static_cast<std::uint64_t>(numbers[i]), static_cast<std::uint64_t>(hashes[i])});
+  return links;
+}
+
+RevisionChain ReadChain(Connection& connection, const Row& row) {
+  RevisionChain chain{.name = std::string(row.Text(0)),
+                      .links = ReadLinks(connection, row, 1),
+                      .given_up = ReadLinks(connection, row, 5)};
+  // Those that were made of something besides, and the hashes of that.
   std::size_t next = 0;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    RevisionChain::Link& link = chain.links.emplace_back();
-    link.number = static_cast<std::uint64_t>(numbers[i]);
-    link.hash = static_cast<std::uint64_t>(hashes[i]);
-    if (next < made.size() && made[next] == numbers[i]) link.from_hash = static_cast<std::uint64_t>(from[next++]);
-  }
-  const std::vector<std::string_view> words = detail::Split(row.Text(5), '\n');
+  const std::vector<RevisionChain::Link> made = ReadLinks(connection, row, 3);
+  for (RevisionChain::Link& link : chain.links)
+    if (next < made.size() && made[next].number == link.number) link.from_hash = made[next++].hash;
+  const std::vector<std::string_view> words = detail::Split(row.Text(7), '\n');
   for (std::size_t i = 0; i + 1 < words.size(); i += 2)
     chain.tags.push_back({std::string(words[i]), detail::ParseNumber<std::uint64_t>(words[i + 1]).value_or(0)});
   return chain;
@@ -238,13 +249,22 @@ std::vector<RevisionChain> ReadChains(Connection& connection, const ChainQuery& 
   const auto list = [](std::string_view column, std::string_view which = {}) {
     return Concat("array(SELECT ", column, "::bigint FROM revision WHERE atlas = page.row", which, " ORDER BY number)");
   };
+  // What the log tells of an atlas that was removed means nothing to the next of that name.
+  const auto given_up = [&](std::string_view column) {
+    if (!query.given_up) return std::string("array[]::bigint[]");
+    return Concat("array(SELECT history.", column,
+                  "::bigint FROM history WHERE history.atlas = page.name AND history.revision > 0 AND history.row > "
+                  "coalesce((SELECT max(removal.row) FROM history AS removal WHERE removal.atlas = page.name AND "
+                  "removal.action = 'remove'), 0) AND NOT EXISTS (SELECT 1 FROM revision WHERE revision.history = "
+                  "history.row) ORDER BY history.revision, history.row)");
+  };
   constexpr std::string_view kMade = " AND from_hash IS NOT NULL";
   std::vector<Parameter> parameters{query.after, static_cast<std::int64_t>(query.count)};
   if (!query.names.empty()) parameters.emplace_back(std::span<const std::string>(query.names));
   const Result found = connection.Query(
       Concat(
           "SELECT name, ", list("number"), ", ", list("hash"), ", ", list("number", kMade), ", ",
-          list("from_hash", kMade),
+          list("from_hash", kMade), ", ", given_up("revision"), ", ", given_up("hash"),
           ", (SELECT string_agg(tag.name || E'\\n' || number, E'\\n' ORDER BY tag.name COLLATE \"C\") FROM tag WHERE "
           "atlas = page.row) FROM (SELECT row, name FROM atlas WHERE name > $1",
           query.names.empty() ? "" : " AND name = ANY ($3)", " ORDER BY name LIMIT $2) AS page ORDER BY name"),

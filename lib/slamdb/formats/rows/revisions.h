@@ -51,8 +51,9 @@ struct RevisionChain {
     std::uint64_t number = 0;
   };
   std::string name;
-  std::vector<Link> links;  // oldest first
-  std::vector<Tag> tags;    // by name
+  std::vector<Link> links;     // oldest first
+  std::vector<Link> given_up;  // likewise; see ChainQuery::given_up. What they were made of is not known
+  std::vector<Tag> tags;       // by name
 };
 
 // Which atlases Store::Chains tells of.
@@ -60,6 +61,7 @@ struct ChainQuery {
   std::vector<std::string> names;  // only these; empty: all
   std::string after;               // only names behind this one
   std::size_t count = 1000;        // the first so many
+  bool given_up = false;           // the revisions, too, that the log tells of and that can be read no more
 };
 
 // Which revisions GiveUp leaves. The newest of an atlas stays always, and so does what has a tag, and where another

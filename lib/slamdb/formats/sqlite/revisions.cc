@@ -152,6 +152,26 @@ std::vector<Head> HeadsOf(Database& database, const ChainQuery& query) {
   return heads;
 }
 
+// In one go through the log, as no index leads to what it tells of an atlas. What it tells of one that was removed
+// means nothing to the next of that name.
+void AddGivenUp(Database& database, std::vector<RevisionChain>& chains) {
+  Statement log(database,
+                "SELECT atlas, coalesce(revision, 0), coalesce(hash, 0), action = 'remove' FROM history WHERE atlas IS "
+                "NOT NULL AND (revision > 0 OR action = 'remove') ORDER BY row",
+                "table history");
+  while (log.Step()) {
+    const std::string name = log.Text(0);
+    const auto chain = std::ranges::lower_bound(chains, name, {}, &RevisionChain::name);
+    if (chain == chains.end() || chain->name != name) continue;
+    const RevisionChain::Link link{Unsigned(log, 1), Unsigned(log, 2)};
+    if (log.Integer(3) != 0)
+      chain->given_up.clear();
+    else if (!std::ranges::binary_search(chain->links, link.number, {}, &RevisionChain::Link::number))
+      chain->given_up.push_back(link);
+  }
+  for (RevisionChain& chain : chains) std::ranges::sort(chain.given_up, {}, &RevisionChain::Link::number);
+}
+
 }  // namespace
 
 std::vector<std::string> NamesOf(Database& database) {
@@ -186,6 +206,7 @@ std::vector<RevisionChain> ReadChains(Database& database, const ChainQuery& quer
     tags.Bind(1, head.row);
     while (tags.Step()) chain.tags.push_back({tags.Text(0), Unsigned(tags, 1)});
   }
+  if (query.given_up) AddGivenUp(database, chains);
   return chains;
 }
 

@@ -79,7 +79,7 @@ class SLAMDB_EXPORT Store {
   // Throws Error: kNotFound when it cannot be read any more.
   HistoryEntry LogOf(const RevisionName& revision);
   // The revisions of many atlases by their hashes, by name: what stores are compared by. Cost: some 20 bytes a
-  // revision.
+  // revision; of those that were given up a reading of the log of these atlases, in a file of the whole log.
   std::vector<RevisionChain> Chains(const ChainQuery& query);
 
   // Which keyframes look like each of some pictures, by what the store keeps beside the atlases: reads none of them.
