@@ -134,7 +134,8 @@ Run AddSync(CLI::App& verb) {
   verb.add_flag("--one-way", options->sync.one_way, "Only from the first to the second");
   verb.add_option("--diverged", options->sync.branch_diverged,
                   "What to do where both went on from one revision: skip, leave both as they are, the default; branch, "
-                  "save what the first has in the second as NAME-of-HOST, for 'slamdb merge'")
+                  "save what the first has in the second as NAME-of-HOST (NAME-of-HOST-2, where that is another), for "
+                  "'slamdb merge'")
       ->type_name("KIND")
       ->transform(OneOf(kDivergedWays));
   verb.add_flag("--dry-run", options->sync.dry_run, "Only tell what would be done");

@@ -100,7 +100,7 @@ def sync(
     name: only the atlases of these names
     one_way: only from the first to the second
     diverged: where both went on from one revision, "skip" leaves both as they are; "branch" saves what the first has in
-        the second as NAME-of-HOST, too
+        the second as NAME-of-HOST (NAME-of-HOST-2, where that is another), too
     dry_run: only tell what would be done
     retry: how often in a row it goes on by itself when the connection is lost or a store is locked
     sync: wait for the disk

@@ -440,15 +440,24 @@ TEST_P(DivergedTest, ARestoredRevisionIsNotTakenForTheOldOne) {
   EXPECT_EQ(LogOf(second_, "a"), second);
 }
 
+// As that of another robot whose host has the same name.
 TEST_P(DivergedTest, ABranchOfThatNameIsNotSavedOver) {
   const std::string who = Store::Open(first_).Log("a").back().who;
-  const std::string branch = "a-of-" + who.substr(who.find('@') + 1);
-  Save(second_, branch, Made(9));
-  const SyncReport report = Sync({.names = {"a"}, .branch_diverged = true});
-  ASSERT_THAT(report.atlases, SizeIs(1));
-  EXPECT_EQ(report.atlases[0].result, SyncResult::kFailed);
-  EXPECT_THAT(report.atlases[0].failure, HasSubstr("holds another atlas named '" + branch));
-  EXPECT_EQ(HashOf(Store::Open(second_).Load(branch)), HashOf(Made(9)));
+  const std::string name = "a-of-" + who.substr(who.find('@') + 1);
+  Save(second_, name, Made(9));
+  const SyncOptions options{.names = {"a"}, .branch_diverged = true};
+  EXPECT_THAT(Told(Sync(options)), ElementsAre("branched a 2 3 to second as " + name + "-2"));
+  EXPECT_EQ(HashOf(Store::Open(second_).Load(name)), HashOf(Made(9)));
+  EXPECT_EQ(FirstDifference(Store::Open(second_).Load(name + "-2"), ours_), "");
+  EXPECT_EQ(Store::Open(second_).CommonBase("a", name + "-2")->ToString(), "a@2");
+  // It goes on there, and a third robot beside both.
+  Change(ours_, 7);
+  Save(first_, "a", ours_);
+  EXPECT_THAT(Told(Sync(options)), ElementsAre("branched a 4 to second as " + name + "-2"));
+  const std::string third = folder_ / "third.db";
+  SaveSome(third, "a", 2);
+  Save(third, "a", Made(8));
+  EXPECT_THAT(Told(SyncStores(third, second_, options)), ElementsAre("branched a 2 3 to second as " + name + "-3"));
 }
 
 TEST_P(SyncTest, OneWayLeavesTheFirst) {

@@ -309,19 +309,27 @@ class Syncer {
     tries_ = 0;
   }
 
+  // What the second has under the name that a line of the first goes to: NAME-of-HOST, or, where other atlases are
+  // called that, as those of another robot of that host name, the first of NAME-of-HOST-2, -3, ... that is free or has
+  // some of the line.
+  RevisionChain BranchFor(const RevisionChain& line) {
+    const HistoryEntry newest = first_.ToRead().LogOf({line.name, line.links.back().number});
+    const std::string name = Concat(line.name, "-of-", HostOf(newest.who));
+    for (int count = 1;; ++count) {
+      const std::string numbered = count == 1 ? name : Concat(name, "-", count);
+      RevisionChain branch = second_.Chain(numbered, false);
+      if (detail::DependsOnGivenUp(line, branch)) branch = second_.Chain(numbered, true);
+      if (detail::Compare(line, branch).state != detail::Compared::State::kDiverged) return branch;
+    }
+  }
   // What the first made of the last revision that both have goes to the second under another name, beginning with that.
   void Branch(SyncedAtlas& atlas, const RevisionChain& first, const RevisionChain& second, std::size_t missing) {
-    const HistoryEntry newest = first_.ToRead().LogOf({first.name, first.links.back().number});
-    atlas.branch = Concat(first.name, "-of-", HostOf(newest.who));
-    RevisionChain branch = second_.Chain(atlas.branch, false);
     RevisionChain line = first;
     if (missing > 0)
       line.links.erase(line.links.begin(), line.links.begin() + static_cast<std::ptrdiff_t>(missing) - 1);
+    RevisionChain branch = BranchFor(line);
+    atlas.branch = branch.name;
     const detail::Compared compared = detail::Compare(line, branch);
-    if (compared.state == detail::Compared::State::kDiverged)
-      throw Error(ErrorKind::kAlreadyExists, report_.second, "",
-                  Concat("holds another atlas named '", atlas.branch, "', as which the revisions of '", first.name,
-                         "' that it lacks were to come"));
     begins_as_.reset();
     if (branch.links.empty() && missing > 0) {
       const RevisionChain::Link& base = line.links.front();

@@ -56,7 +56,8 @@ struct SyncOptions {
   std::vector<std::string> names;  // only these atlases; empty: all
   bool one_way = false;            // only from the first to the second
   // Where both went on from one revision: save what the first made of it in the second as NAME-of-HOST, HOST being
-  // where its newest revision was made, branched off where they part.
+  // where its newest revision was made, branched off where they part; as NAME-of-HOST-2, -3, ... where that is another
+  // atlas.
   bool branch_diverged = false;
   bool dry_run = false;  // only tell what would be done
   bool sync = true;      // see StoreOptions
