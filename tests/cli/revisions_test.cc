@@ -11,6 +11,7 @@ namespace slamdb::testing {
 namespace {
 
 using nlohmann::json;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 class Revisions : public ::testing::Test {
@@ -118,6 +119,31 @@ TEST_F(Revisions, CheckHoldsTheRulesAgainstEach) {
   if (edited.exit_code == 127) GTEST_SKIP() << "no sqlite3";
   EXPECT_EQ(RunSlamdb({"check", store_}).exit_code, 0);
   EXPECT_EQ(inputs({store_}, 1), (std::vector<std::string>{At("lab@1") + " failed", At("lab@2"), At("robot7@1")}));
+}
+
+// What a damaged store has lost is told, not left out.
+TEST_F(Revisions, CheckTellsOfRevisionsThatTheLogOrTheStoreHasLost) {
+  ASSERT_EQ(RunSlamdb({"tag", At("lab@1"), "release"}).exit_code, 0);
+  const auto edit = [&](const std::string& sql) { return RunProgram({"sqlite3", store_, sql}).exit_code; };
+  const auto failures = [&] {
+    const ProcessResult result = RunSlamdb({"check", "--revisions", store_, "--json"});
+    EXPECT_EQ(result.exit_code, 1) << result.err;
+    const json report = json::parse(result.out);
+    std::vector<std::string> told;
+    for (const json& input : report.at("inputs"))
+      told.push_back(input.contains("failure") ? input.at("failure").get<std::string>() : "");
+    return told;
+  };
+  if (edit("DELETE FROM history WHERE revision = 1") == 127) GTEST_SKIP() << "no sqlite3";
+  EXPECT_THAT(failures(), ElementsAre(HasSubstr("lab@1: table history has lost"), ""));
+  EXPECT_EQ(RunSlamdb({"diff", At("lab@1"), osa_}).exit_code, 0) << "it can be read all the same";
+  ASSERT_EQ(edit("DELETE FROM history WHERE revision = 2"), 0);
+  EXPECT_THAT(failures(), ElementsAre(HasSubstr("lab@1"), "")) << "the atlas knows what its newest is";
+
+  ASSERT_EQ(edit("UPDATE tag SET number = 99"), 0);
+  EXPECT_THAT(failures(), ElementsAre(HasSubstr("lab@1"), "", HasSubstr("tag 'release' is of revision 99")));
+  ASSERT_EQ(edit("UPDATE tag SET number = 1; DELETE FROM revision WHERE number = 1"), 0);
+  EXPECT_THAT(failures(), ElementsAre("", HasSubstr("lab@release: tag 'release' is of revision 1, which is gone")));
 }
 
 // What they did, for scripts.

@@ -33,6 +33,11 @@ using detail::Concat;
 constexpr std::array<std::string_view, 7> kOfAtlasesAlone = {".osa",     ".osa.txt",  ".slamdb",     ".mrpt",
                                                              ".mrpt.gz", ".mrpt.txt", ".mrpt.txt.gz"};
 
+constexpr std::string_view kNotInLog =
+    "table history has lost what it was when it was saved, so nobody can tell whether what is read of it still is "
+    "that: "
+    "the store is damaged";
+
 bool HoldsAtlases(const Format& format) {
   return format.read != nullptr && HasAny(format.reads, Content::kObservations | Content::kLandmarks);
 }
@@ -136,15 +141,28 @@ class Finder {
       std::map<std::string, RevisionChain> chains;
       for (RevisionChain& chain : store.Chains({.names = {names.begin() + first, names.begin() + end}}))
         chains.emplace(chain.name, std::move(chain));
-      for (std::size_t i = first; i < end; ++i)
-        for (const RevisionChain::Link& link : chains[names[i]].links) {
-          AtlasInput& input = found_.atlases.emplace_back();
-          input = {.location = Location(store.path(), Concat(names[i], "@", link.number)),
-                   .below = below,
-                   .hash = link.hash};
-          if (all_names.contains(input.location.name))
-            input.failure = Concat(input.location.ToString(), ": an atlas is called so, which hides the revision");
-        }
+      for (std::size_t i = first; i < end; ++i) AddRevisions(store.path(), chains[names[i]], all_names, below);
+    }
+  }
+
+  // Each that there is, and the tags of those that there should be.
+  void AddRevisions(const std::string& path, const RevisionChain& chain, const std::set<std::string_view>& all_names,
+                    const std::string& below) {
+    for (const RevisionChain::Link& link : chain.links) {
+      AtlasInput& input = found_.atlases.emplace_back();
+      input = {.location = Location(path, Concat(chain.name, "@", link.number)), .below = below, .hash = link.hash};
+      const std::string_view why = all_names.contains(input.location.name)
+                                       ? "an atlas is called so, which hides the revision"
+                                   : link.hash == 0 ? kNotInLog
+                                                    : "";
+      if (!why.empty()) input.failure = Concat(input.location.ToString(), ": ", why);
+    }
+    for (const RevisionChain::Tag& tag : chain.tags) {
+      if (std::ranges::find(chain.links, tag.number, &RevisionChain::Link::number) != chain.links.end()) continue;
+      const Location location(path, Concat(chain.name, "@", tag.name));
+      Fail(location, below,
+           Concat(location.ToString(), ": tag '", tag.name, "' is of revision ", tag.number,
+                  ", which is gone: the store is damaged"));
     }
   }
 

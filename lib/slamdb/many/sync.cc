@@ -42,7 +42,10 @@ class Side {
 
   std::vector<RevisionChain> Chains(const ChainQuery& query) {
     if (is_missing()) return {};
-    return ToRead().Chains(query);
+    std::vector<RevisionChain> chains = ToRead().Chains(query);
+    // What a damaged log does not know cannot be compared.
+    for (RevisionChain& chain : chains) std::erase_if(chain.links, [](const auto& link) { return link.hash == 0; });
+    return chains;
   }
   RevisionChain Chain(const std::string& name, bool given_up) {
     std::vector<RevisionChain> found = Chains({.names = {name}, .given_up = given_up});

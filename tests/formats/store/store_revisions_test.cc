@@ -205,6 +205,21 @@ TEST_F(StoreRevisions, AreKeptForSomeDays) {
   EXPECT_EQ(report.atlases[0].kept, 2U);
 }
 
+TEST_F(StoreRevisions, WhatTheLogHasLostStaysByItsTag) {
+  Atlas atlas = SoundAtlas();
+  for (int i = 0; i < 4; ++i) {
+    atlas.maps[0].points[0].position.x() += 1;
+    Save(atlas);
+  }
+  Store store = Store::OpenForWriting(path_);
+  store.Tag("a@1", "kept");
+  Sql(path_, "DELETE FROM history WHERE revision <= 2");
+  const GiveUpReport report = store.GiveUp({.keep_days = 7});
+  EXPECT_THAT(report.atlases[0].revisions, ElementsAre(2)) << "it counts as saved long ago";
+  EXPECT_EQ(FirstDifference(store.Load("a@kept"), saved_[0].second), "");
+  EXPECT_THAT(store.GiveUp({.keep = 50}).atlases[0].revisions, ElementsAre());
+}
+
 TEST_F(StoreRevisions, TellWhatTheyChanged) {
   Atlas atlas = SoundAtlas();
   const SaveReport first = Save(atlas);

@@ -228,6 +228,17 @@ TEST_F(StoreOnServer, ATagThatIsSetWhileRevisionsAreGivenUpWaitsForThem) {
   EXPECT_EQ(FirstDifference(store.Load("a@kept"), first_), "");
 }
 
+TEST_F(StoreOnServer, WhatTheLogHasLostStaysByItsTag) {
+  Store store = Store::OpenForWriting(uri_);
+  store.Save("a", second_);
+  store.Save("a", first_);
+  store.Tag("a@1", "kept");
+  Sql("SET session_replication_role = replica; DELETE FROM slamdb.history WHERE revision <= 2");
+  EXPECT_TRUE(store.GiveUp({.keep = 50}).atlases[0].revisions.empty());
+  EXPECT_THAT(store.GiveUp({.keep_days = 7}).atlases[0].revisions, ::testing::ElementsAre(2)) << "saved long ago";
+  EXPECT_EQ(FirstDifference(store.Load("a@kept"), first_), "");
+}
+
 TEST_F(StoreOnServer, GivingUpLeavesNoEarlierRows) {
   Store store = Store::OpenForWriting(uri_);
   store.Save("a", second_);

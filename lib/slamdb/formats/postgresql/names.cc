@@ -57,15 +57,15 @@ class Catalog : public rows::RevisionCatalog {
   Connection& connection_;
 };
 
-// The numbers that stay, ascending.
+// The numbers that stay, ascending. What the log has lost counts as saved long ago.
 std::vector<std::int64_t> KeptOf(Connection& connection, const Named& atlas, const GiveUpOptions& options) {
   const Result found = connection.Query(
       Concat(
-          "SELECT number, ", TextOfTime("at"),
-          ", coalesce(from_atlas <> $2, false) OR number IN (SELECT number FROM tag WHERE atlas = $1) OR EXISTS "
+          "SELECT number, coalesce(", TextOfTime("at"),
+          ", ''), coalesce(from_atlas <> $2, false) OR number IN (SELECT number FROM tag WHERE atlas = $1) OR EXISTS "
           "(SELECT 1 FROM revision AS other WHERE other.from_atlas = $2 AND other.from_number = revision.number AND "
           "other.from_hash = revision.hash AND other.atlas <> $1), CASE WHEN from_atlas = $2 THEN from_number ELSE 0 "
-          "END FROM revision JOIN history ON history.row = history WHERE revision.atlas = $1 ORDER BY number"),
+          "END FROM revision LEFT JOIN history ON history.row = history WHERE revision.atlas = $1 ORDER BY number"),
       {atlas.atlas, atlas.name}, "table revision");
   std::vector<rows::KeptRevision> all;
   for (std::size_t i = 0; i < found.rows(); ++i)

@@ -74,14 +74,14 @@ Sources SourcesIn(Database& database) {
   return sources;
 }
 
-// The numbers that stay, ascending.
+// The numbers that stay, ascending. What the log has lost counts as saved long ago.
 std::vector<std::int64_t> KeptOf(Database& database, const Named& atlas, const Sources& sources,
                                  const GiveUpOptions& options) {
   Statement select(
       database,
       "SELECT number, at, coalesce(from_atlas <> ?2, 0) OR number IN (SELECT number FROM tag WHERE atlas = ?1), "
-      "history.hash, iif(from_atlas = ?2, from_number, 0) FROM revision JOIN history ON history.row = history WHERE "
-      "revision.atlas = ?1 ORDER BY number",
+      "history.hash, iif(from_atlas = ?2, from_number, 0) FROM revision LEFT JOIN history ON history.row = history "
+      "WHERE revision.atlas = ?1 ORDER BY number",
       "table revision");
   select.Bind(1, atlas.atlas).BindText(2, atlas.name);
   std::vector<rows::KeptRevision> all;
@@ -121,6 +121,8 @@ void GiveUpAllBut(Database& database, const Named& atlas, const std::vector<std:
 std::uint64_t Unsigned(const Statement& statement, int column) {
   return static_cast<std::uint64_t>(statement.Integer(column));
 }
+
+std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
 // An atlas and its newest revision.
 struct Head {
@@ -195,11 +197,12 @@ std::vector<RevisionChain> ReadChains(Database& database, const ChainQuery& quer
   std::vector<RevisionChain> chains;
   for (const Head& head : HeadsOf(database, query)) {
     RevisionChain& chain = chains.emplace_back(RevisionChain{.name = head.name});
-    Statement links(database,
-                    "SELECT number, history.hash, from_hash FROM revision JOIN history ON history.row = history WHERE "
-                    "revision.atlas = ?1 ORDER BY number",
-                    "table revision");
-    links.Bind(1, head.row);
+    Statement links(
+        database,
+        "SELECT number, coalesce(history.hash, iif(number = ?2, ?3, 0)), from_hash FROM revision LEFT JOIN history ON "
+        "history.row = history WHERE revision.atlas = ?1 ORDER BY number",
+        "table revision");
+    links.Bind(1, head.row).Bind(2, Signed(head.newest.number)).Bind(3, Signed(head.newest.hash));
     while (links.Step()) chain.links.push_back({Unsigned(links, 0), Unsigned(links, 1), Unsigned(links, 2)});
     if (chain.links.empty() || chain.links.back().number != head.newest.number) chain.links.push_back(head.newest);
     Statement tags(database, "SELECT name, number FROM tag WHERE atlas = ?1 ORDER BY name", "table tag");
