@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <unordered_set>
 
 #include "cli/choices.h"
 #include "cli/commands/commands.h"
@@ -73,14 +74,24 @@ ReadInputs ReadAll(const ViewVerbOptions& options, Console& console, Notices& no
   return result;
 }
 
+std::unordered_set<LandmarkId> LandmarksOf(const Atlas& atlas) {
+  std::unordered_set<LandmarkId> ids;
+  for (const Map& map : atlas.maps)
+    for (const Landmark& landmark : map.landmarks) ids.insert(landmark.id);
+  return ids;
+}
+
 // What a report found is shown; of another atlas it is told to be.
 void TakeFindings(const ViewVerbOptions& options, ViewInput& input, Notices& notices) {
   input.findings = ReadFindings(options.findings, options.inputs.paths.front());
   const AtlasIndex index(*input.atlas);
+  const std::unordered_set<LandmarkId> landmarks = LandmarksOf(*input.atlas);
   const auto is_known = [&](const Place& place) {
     return (!place.map || index.MapRow(place.map) != kNoRow) &&
            (!place.keyframe || index.LocateKeyFrame(place.keyframe)) &&
-           (!place.point || index.LocatePoint(place.point));
+           (!place.point || index.LocatePoint(place.point)) &&
+           (!place.camera || index.CameraRow(place.camera) != kNoRow) &&
+           (!place.landmark || landmarks.contains(place.landmark));
   };
   std::uint64_t strange = 0, all = 0;
   for (const RuleResult& result : input.findings)

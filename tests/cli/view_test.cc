@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "slamdb/view/page.h"
@@ -104,6 +105,16 @@ TEST_F(View, GoesToStandardOutput) {
   const ProcessResult piped = RunSlamdb({"view", "-", "-o", "-"}, ReadWholeFile(In("a.osa")));
   EXPECT_EQ(piped.exit_code, 0) << piped.err;
   EXPECT_EQ(RunSlamdb({"view", "-"}, ReadWholeFile(In("a.osa"))).exit_code, 2) << "nothing names the page";
+}
+
+TEST_F(View, FindingsOfAnotherAtlasAreToldToBe) {
+  for (const char* kind : {"map", "keyframe", "point", "camera", "landmark"}) {
+    std::ofstream(In("merge.json")) << R"({"report":"slamdb-merge-2","branches":{"conflicts":[{"aspect":"flags",)"
+                                    << R"("message":"both","place":{")" << kind << R"(":987654}}]}})";
+    const ProcessResult result = RunHere("view a.osa --findings merge.json -O -o x.html");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("1 of 1 finding of merge.json is of what a.osa does not have")) << kind;
+  }
 }
 
 TEST_F(View, APartIsNotChecked) {

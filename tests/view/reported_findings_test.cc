@@ -6,6 +6,7 @@
 #include "slamdb/edit/merge/merge.h"
 #include "slamdb/edit/merge/three_way.h"
 #include "tests/support/corrupt.h"
+#include "tests/support/error_of.h"
 #include "tests/support/kind_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/view/page_data.h"
@@ -84,6 +85,40 @@ TEST(ReportedFindings, RefusesWhatHasNone) {
         {"[]", ErrorKind::kDamaged},
         {"", ErrorKind::kDamaged}})
     EXPECT_EQ(KindOf([&, &json = text] { (void)ParseFindings(json); }), kind) << text;
+}
+
+TEST(ReportedFindings, SayWhereTheyAreDamaged) {
+  const auto merge = [](const std::string& conflicts) {
+    return "{\"report\": \"slamdb-merge-2\", \"branches\": {\"conflicts\": " + conflicts + "}}";
+  };
+  const auto conflict = [&](const std::string& place) {
+    return merge("[{\"aspect\": \"flags\", \"message\": \"\", \"place\": " + place + "}]");
+  };
+  const auto check = [](const std::string& inputs) {
+    return "{\"report\": \"slamdb-check-2\", \"inputs\": " + inputs + "}";
+  };
+  const std::pair<std::string, std::string> cases[] = {
+      {merge("null"), "branches.conflicts: is null, and no list"},
+      {merge("{\"a\": 1}"), "branches.conflicts: is {\"a\":1}, and no list"},
+      {merge("[{\"aspect\": \"flags\"}]"), "branches.conflicts[0]: "},
+      {conflict("null"), "branches.conflicts[0].place: "},
+      {conflict("{\"map\": 0, \"keyframe\": \"3\"}"),
+       "branches.conflicts[0].place.keyframe: \"3\" is no number; expected 3"},
+      {conflict("{\"keyframe\": 3.5}"), "branches.conflicts[0].place.keyframe: 3.5 is no whole number"},
+      {conflict("{\"feature\": -2}"), "branches.conflicts[0].place.feature: -2 is no whole number"},
+      {conflict("{\"keyframes\": 3}"), "branches.conflicts[0].place.keyframes: is none of map, keyframe, point"},
+      {check("null"), "inputs: is null, and no list"},
+      {check("[{\"input\": \"a\", \"results\": null}]"), "inputs[0].results: is null, and no list"},
+      {check("[{\"input\": \"a\", \"results\": [7]}]"), "inputs[0].results[0]: "},
+  };
+  for (const auto& [text, says] : cases) {
+    const Error error = ErrorOf([&, &json = text] { (void)ParseFindings(json); });
+    EXPECT_EQ(error.kind(), ErrorKind::kDamaged) << text;
+    EXPECT_THAT(error.what(), HasSubstr(says));
+  }
+  EXPECT_EQ(ParseFindings(conflict("{\"point\": \"18014398509481984\"}"))[0].findings[0].place.point,
+            MapPointId(18014398509481984))
+      << "as text beyond what every reader of JSON holds";
 }
 
 TEST(ReportedFindings, StandInThePageWhereTheyAre) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <concepts>
 #include <limits>
 #include <utility>
 
@@ -47,19 +48,36 @@ Json MeasuresJson(const AtlasStatistics& statistics) {
   return json;
 }
 
+// What JsonNumber made: text only beyond what every reader of JSON holds.
+template <std::unsigned_integral Integer>
+Integer NumberOf(const Json& json) {
+  const auto number = detail::IntegerOf<Integer>(json);
+  if (JsonNumber(number) != json)
+    throw Error(ErrorKind::kDamaged,
+                detail::Concat(detail::Dumped(json), " is no number; expected ", detail::Dumped(JsonNumber(number))));
+  return number;
+}
+
 template <class Entity>
-void TakeId(const Json& json, const char* key, Id<Entity>& id) {
-  if (json.contains(key)) id = Id<Entity>(detail::IntegerOf<std::uint64_t>(json[key]));
+void TakeId(const Json& json, Id<Entity>& id) {
+  id = Id<Entity>(NumberOf<std::uint64_t>(json));
+}
+
+void TakeMember(const std::string& key, const Json& value, Place& place) {
+  if (key == "map") return TakeId(value, place.map);
+  if (key == "keyframe") return TakeId(value, place.keyframe);
+  if (key == "point") return TakeId(value, place.point);
+  if (key == "camera") return TakeId(value, place.camera);
+  if (key == "landmark") return TakeId(value, place.landmark);
+  if (key != "feature")
+    throw Error(ErrorKind::kDamaged, "is none of map, keyframe, point, camera, landmark and feature");
+  place.feature = std::int64_t{NumberOf<std::uint32_t>(value)};
 }
 
 Place PlaceOf(const Json& json) {
   Place place;
-  TakeId(json, "map", place.map);
-  TakeId(json, "keyframe", place.keyframe);
-  TakeId(json, "point", place.point);
-  TakeId(json, "camera", place.camera);
-  TakeId(json, "landmark", place.landmark);
-  place.feature = json.value("feature", std::int64_t{-1});
+  for (const auto& [key, value] : json.get_ref<const Json::object_t&>())
+    detail::InPart(key, [&, &name = key, &member = value] { TakeMember(name, member, place); });
   return place;
 }
 
@@ -78,7 +96,8 @@ RuleResult ResultOf(const Json& json) {
                     .count = detail::IntegerOf<std::uint64_t>(json.at("count")),
                     .findings = {}};
   if (result.consequence.starts_with(kSubject)) result.consequence.erase(0, kSubject.size());
-  for (const Json& finding : json.at("findings")) result.findings.push_back(detail::FindingOf(finding));
+  detail::ForEachItem(json.at("findings"), "findings",
+                      [&](const Json& finding) { result.findings.push_back(detail::FindingOf(finding)); });
   return result;
 }
 
@@ -120,7 +139,30 @@ Json detail::JsonOf(const Finding& finding) {
   return {{"place", PlaceJson(finding.place)}, {"where", ToString(finding.place)}, {"message", finding.message}};
 }
 
-Finding detail::FindingOf(const Json& json) { return {PlaceOf(json.at("place")), json.at("message")}; }
+void detail::InPart(const std::string& part, const std::function<void()>& work) {
+  const auto fail = [&](const std::string& inner, const std::string& problem) {
+    const bool is_whole = inner.empty() || inner.front() == '[';
+    throw Error(ErrorKind::kDamaged, "", Concat(part, is_whole ? "" : ".", inner), problem);
+  };
+  try {
+    work();
+  } catch (const Error& error) {
+    fail(error.place(), error.problem());
+  } catch (const Json::exception& error) {
+    fail("", error.what());
+  }
+}
+
+void detail::ForEachItem(const Json& list, const std::string& name, const std::function<void(const Json&)>& take) {
+  if (!list.is_array()) throw Error(ErrorKind::kDamaged, "", name, Concat("is ", Dumped(list), ", and no list"));
+  for (std::size_t i = 0; i < list.size(); ++i) InPart(Concat(name, "[", i, "]"), [&] { take(list[i]); });
+}
+
+Finding detail::FindingOf(const Json& json) {
+  Finding finding{.place = {}, .message = json.at("message")};
+  InPart("place", [&] { finding.place = PlaceOf(json.at("place")); });
+  return finding;
+}
 
 Json detail::JsonOf(const CheckedFile& file) {
   Json json;
@@ -144,7 +186,8 @@ Json detail::JsonOf(const CheckedFile& file) {
 CheckedFile detail::CheckedFileOf(const Json& json) {
   CheckedFile file{.name = json.at("input"), .report = {}, .failure = json.value("failure", ""), .file = {}};
   if (!file.failure.empty()) return file;
-  for (const Json& result : json.at("results")) file.report.results.push_back(ResultOf(result));
+  ForEachItem(json.at("results"), "results",
+              [&](const Json& result) { file.report.results.push_back(ResultOf(result)); });
   json.at("checked").get_to(file.report.checked);
   file.report.statistics = StatisticsOf(json.at("measures"));
   return file;

@@ -22,7 +22,7 @@ constexpr std::string_view kWanted = "a report of a check or a merge";
 std::vector<RuleResult> ConflictsOf(const Json& conflicts) {
   std::vector<RuleResult> results;
   std::unordered_map<std::string, std::size_t> rows;  // by aspect
-  for (const Json& conflict : conflicts) {
+  detail::ForEachItem(conflicts, "branches.conflicts", [&](const Json& conflict) {
     const std::string& aspect = conflict.at("aspect").get_ref<const std::string&>();
     const auto [row, is_new] = rows.emplace(aspect, results.size());
     if (is_new)
@@ -33,21 +33,22 @@ std::vector<RuleResult> ConflictsOf(const Json& conflicts) {
                                       : Concat("both sides changed the ", aspect, ", each in another way")});
     ++results[row->second].count;
     results[row->second].findings.push_back(detail::FindingOf(conflict));
-  }
+  });
   return results;
 }
 
 std::vector<RuleResult> ChecksOf(const Json& inputs, const std::string& input) {
-  const auto is_named = [&](const Json& file) { return file.at("input") == input; };
-  auto file = std::ranges::find_if(inputs, is_named);
-  if (file == inputs.end() && inputs.size() == 1) file = inputs.begin();
-  if (file == inputs.end()) {
-    std::string names;
-    for (const Json& each : inputs)
-      names += Concat(names.empty() ? "" : ", ", each.at("input").get_ref<const std::string&>());
+  const Json* found = nullptr;
+  std::string names;
+  detail::ForEachItem(inputs, "inputs", [&](const Json& each) {
+    const std::string& name = each.at("input").get_ref<const std::string&>();
+    if (found == nullptr && (name == input || inputs.size() == 1)) found = &each;
+    names += Concat(names.empty() ? "" : ", ", name);
+  });
+  if (found == nullptr)
     throw Error(ErrorKind::kNotFound, Concat("has no findings of '", input, "'; it has those of ", names));
-  }
-  const CheckedFile checked = detail::CheckedFileOf(*file);
+  CheckedFile checked;
+  detail::InPart(Concat("inputs[", found - &inputs.front(), "]"), [&] { checked = detail::CheckedFileOf(*found); });
   if (!checked.failure.empty())
     throw Error(ErrorKind::kNotFound,
                 Concat("says of ", checked.name, " that it could not be read: ", checked.failure));
