@@ -95,6 +95,27 @@ TEST_F(Locate, APictureThatCannotBeReadLeavesTheOthers) {
   EXPECT_EQ(report["pictures"][2]["verdict"], "not-found");
 }
 
+// It is in no atlas then, whichever was asked.
+TEST_F(Locate, AStoreThatIsOfAnotherRoomHasNotTheBestAtlas) {
+  const std::string room = SLAMDB_FIXTURES "/room/", store = folder_ / "maps.db";
+  ASSERT_EQ(RunSlamdb({"convert", room + "corner.osa", store + "#corner", "-q"}).exit_code, 0);
+  ASSERT_EQ(RunSlamdb({"convert", atlas_, store + "#made", "-q"}).exit_code, 0);
+  const std::vector<std::string> asked = {"locate",         store,      room + "a01.jpg",
+                                          room + "b01.jpg", "--camera", room + "camera.yaml"};
+  std::vector<std::string> words = asked;
+  words.push_back("--json");
+  const ProcessResult result = RunSlamdb(words);
+  if (result.err.find("built without pictures") != std::string::npos) GTEST_SKIP() << result.err;
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  const json report = json::parse(result.out), &here = report["pictures"][0], &elsewhere = report["pictures"][1];
+  EXPECT_EQ(BreachOf(report, "locate.schema.json"), "");
+  EXPECT_EQ(here["found_in"], "corner");
+  EXPECT_EQ(elsewhere["verdict"], "not-found");
+  EXPECT_TRUE(elsewhere["found_in"].is_null());
+  EXPECT_FALSE(elsewhere["others"].empty()) << "what was asked is told";
+  EXPECT_THAT(RunSlamdb(asked).out, HasSubstr(room + "b01.jpg: not-found: "));
+}
+
 TEST_F(Locate, SaysWhatIsWrongWithItsInputs) {
   EXPECT_EQ(Run({}).exit_code, 2);
   EXPECT_EQ(Run({"--benchmark", folder_ / "gray.pgm"}).exit_code, 2);

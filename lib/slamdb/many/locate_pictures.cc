@@ -190,9 +190,10 @@ LocateReport LocatePictures(Store& store, const LocatePicturesOptions& options, 
     picture.localization.reason = "no place of the store looks like it";
     picture.localization.evidence.features = looks[i].descriptors.size();
     if (answers.empty()) continue;
-    picture.atlas = answers.front().atlas;
     picture.localization = answers.front().localization;
-    picture.others.assign(answers.begin() + 1, answers.end());
+    const bool is_found = picture.localization.verdict != LocateVerdict::kNotFound;
+    if (is_found) picture.atlas = answers.front().atlas;
+    picture.others.assign(answers.begin() + (is_found ? 1 : 0), answers.end());
   }
   TellUnreadable(unreadable, report, notices);
   return report;
