@@ -61,6 +61,9 @@ const std::vector<std::pair<std::string, std::string>> kShown = {
     {"postgressql://u:S3cret@h/db", "postgressql://u@h/db"},
     {"pg://u:S3cret@h/db", "pg://u@h/db"},
     {"postgresql://u@h/db?pasword=S3cret", "postgresql://u@h/db"},
+    {"postgresql://u:S3cret%21x/db", "postgresql://u/db"},
+    {"postgresql://u:S3cret,1:2:3/db", "postgresql://u/db"},
+    {"postgresql://a:1,b:S3cret/db", "postgresql://a:1,b/db"},
 };
 
 TEST(Server, IsShownWithoutItsPassword) {
@@ -71,10 +74,29 @@ TEST(Server, IsShownWithoutItsPassword) {
     EXPECT_EQ(WithoutPasswords("{\"input\":\"" + uri + "#a\",\"n\":\"a@b\"}"),
               "{\"input\":\"" + shown + "#a\",\"n\":\"a@b\"}");
   }
-  for (const char* same : {"postgresql://u@h/db", "postgresql:///maps", "a:b@c.osa", "no postgres here: a:b@c"}) {
+  for (const char* same :
+       {"postgresql://u@h/db", "postgresql:///maps", "a:b@c.osa", "no postgres here: a:b@c", "postgresql://h:5432",
+        "postgresql://a:1,b:2/db", "postgresql://a,b:2", "postgresql://[::1]:5432/db", "postgresql://[::1]/db",
+        "postgresql://[fe80::1%25eth0]:1,h:2/db", "postgresql://fe80::1/db", "postgresql://h:/db",
+        "postgresql://%2Ftmp:5432/db", "postgresql://h:1/db?host=a:b", "http://127.0.0.1:8080/a:b"}) {
     EXPECT_EQ(WithoutPassword(same), same);
     EXPECT_EQ(WithoutPasswords(same), same);
   }
+}
+
+// Without a database, what stands behind a # and before an @ may be of the password as well.
+TEST(Server, APasswordWithoutAHostIsHidden) {
+  EXPECT_EQ(WithoutPassword("postgresql://u:S3cret"), "postgresql://u");
+  EXPECT_EQ(WithoutPassword("postgresql://u:12S3cret?sslmode=require"), "postgresql://u?sslmode=require");
+  EXPECT_EQ(WithoutPasswords("of 'postgresql://u:S3cret#a': no"), "of 'postgresql://u#a': no");
+  EXPECT_THAT(HidePassword("--onto=postgresql://u:S3cret#a@3"), Not(HasSubstr(kSecret)));
+}
+
+// Nor does it take what is behind the URI for a part of it.
+TEST(Server, TextsAroundAUriStay) {
+  const Json json = {{"failure", "postgresql://h:5432\nand \"postgresql://u:S3cret\", postgresql://h:1: gone"}};
+  EXPECT_EQ(Json::parse(Dumped(json)).at("failure"),
+            "postgresql://h:5432\nand \"postgresql://u\", postgresql://h:1: gone");
 }
 
 TEST(Server, ErrorsAndReportsShowNoPassword) {

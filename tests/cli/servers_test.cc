@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 constexpr const char* kSecret = "S3cret";
 constexpr const char* kServer = "postgresql://u:S3cret@127.0.0.1:1/db";
 constexpr const char* kAtlas = "postgresql://u:S3cret@127.0.0.1:1/db#a";
+constexpr const char* kWithoutHost = "postgresql://u:S3cret%21x/db";  // libpq takes it for a port
 constexpr const char* kShownAtlas = "postgresql://u@127.0.0.1:1/db#a";
 
 // A folder with inputs, in which the command runs.
@@ -85,7 +86,9 @@ TEST_F(Servers, NoVerbShowsAPassword) {
   for (const Verb& verb : AllVerbs())
     for (const FileOption& option : verb.files) {
       SCOPED_TRACE(verb.name() + " " + option.name);
-      const ProcessResult result = Run(With(verb, option, TakesStore(option) ? kServer : kAtlas));
+      const std::string name = TakesStore(option) ? "" : "#a";
+      EXPECT_THAT(Run(With(verb, option, kWithoutHost + name)).exit_code, AnyOf(1, 2));
+      const ProcessResult result = Run(With(verb, option, kServer + name));
       EXPECT_THAT(result.exit_code, AnyOf(1, 2)) << result.out << result.err;
       EXPECT_THAT(result.err, Not(HasSubstr("cannot open: No such file")));
       const bool refused = result.err.find("where a file is expected") != std::string::npos;
@@ -162,6 +165,14 @@ TEST_F(Servers, SayWhatDoesThereWhatIsAskedFor) {
   EXPECT_THAT(instead({"recover", kAtlas, "saved.osa"}), HasSubstr("pg_restore"));
   EXPECT_THAT(instead({"info", kAtlas, "--from", "tum"}), HasSubstr("which is a store and no"));
   EXPECT_THAT(instead({"convert", "a.osa", kAtlas, "--to", "ply"}), HasSubstr("which is a store and no"));
+}
+
+TEST_F(Servers, SayWhereAPasswordStands) {
+  const ProcessResult result = Run({"list", kWithoutHost});
+  EXPECT_THAT(result.err, HasSubstr("postgresql://u/db: not a URI that libpq reads"));
+  EXPECT_THAT(result.err, HasSubstr("a password stands before @ and the host"));
+  Run({"check", "a.osa", std::string(kWithoutHost) + "#a", "--json", "-o", "checked.json"});
+  EXPECT_THAT(ReadWholeFile("checked.json"), HasSubstr("postgresql://u/db#a"));
 }
 
 TEST_F(Servers, AreToldFromWhatIsMistyped) {

@@ -40,17 +40,24 @@ std::size_t SchemeOf(std::string_view uri) {
   return OtherSchemeOf(uri);
 }
 
-// True when a host of `host:port,host:port` has a port that is no number.
-bool HasOddPort(std::string_view hosts) {
-  while (!hosts.empty()) {
-    const std::string_view host = hosts.substr(0, hosts.find(','));
-    hosts.remove_prefix(std::min(host.size() + 1, hosts.size()));
+// As IPv6 has it where somebody forgot its brackets.
+bool IsAddress(std::string_view host) {
+  constexpr std::string_view kOfAddresses = "0123456789abcdefABCDEF:.[";
+  return host.find_first_not_of(kOfAddresses) == std::string_view::npos && host.find(':') != host.rfind(':');
+}
+
+// Where the `:` is of the first host of `host:port,host:port` whose port is no number; npos: there is none. What stands
+// behind a backslash does not count: JSON has line feeds as `\n`.
+std::size_t OddPortOf(std::string_view hosts) {
+  for (std::size_t begin = 0; begin < hosts.size();) {
+    const std::string_view host = hosts.substr(begin, hosts.find(',', begin) - begin);
     const std::size_t bracket = host.rfind(']');  // of an address of IPv6
     const std::size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
-    if (colon != std::string_view::npos && host.find_first_not_of("0123456789", colon + 1) != std::string_view::npos)
-      return true;
+    const std::size_t odd = colon == std::string_view::npos ? colon : host.find_first_not_of("0123456789", colon + 1);
+    if (odd != std::string_view::npos && host[odd] != '\\' && !IsAddress(host)) return begin + colon;
+    begin += host.size() + 1;
   }
-  return false;
+  return std::string_view::npos;
 }
 
 // Where the `@` is that ends `user:password@`; npos: there are no credentials. `rest` is what follows the scheme.
@@ -58,7 +65,8 @@ std::size_t EndOfCredentials(std::string_view rest) {
   const std::size_t slash = rest.find('/');
   const std::size_t at = rest.find('@');
   if (at < slash) return rest.substr(0, rest.find_first_of("/?", at)).rfind('@');
-  const bool is_odd = at != std::string_view::npos && HasOddPort(rest.substr(0, slash));  // `user:pass/word@host`
+  const bool is_odd = at != std::string_view::npos &&
+                      OddPortOf(rest.substr(0, slash)) != std::string_view::npos;  // `user:pass/word@host`
   return is_odd ? rest.substr(0, rest.find('?', at)).rfind('@') : std::string_view::npos;
 }
 
@@ -176,6 +184,10 @@ std::string WithoutPassword(std::string_view uri) {
   if (const std::size_t end = EndOfCredentials(rest); end != std::string_view::npos) {
     out += rest.substr(0, std::min(rest.find_first_of(":?"), end));
     rest.remove_prefix(end);
+  } else if (const std::string_view hosts = rest.substr(0, rest.find_first_of("/?"));
+             OddPortOf(hosts) != std::string_view::npos) {  // `user:password`, whose `@host` was forgotten
+    out += hosts.substr(0, OddPortOf(hosts));
+    rest.remove_prefix(hosts.size());
   }
   const std::size_t query = std::min(rest.find('?'), rest.size());
   out += rest.substr(0, query);
@@ -222,7 +234,7 @@ std::string WithoutKeywordPasswords(std::string words) {
 }
 
 std::string WithoutPasswords(std::string text) {
-  constexpr std::string_view kEnds = " \t\r\n\"", kPunctuation = "'\"`,;.:)";
+  constexpr std::string_view kEnds = " \t\r\n\"", kPunctuation = "'\"`,;.:)\\";
   for (std::size_t at = FindUri(text); at != std::string::npos; at = FindUri(text, at + 1)) {
     std::string_view uri = std::string_view(text).substr(at);
     uri = uri.substr(0, uri.find_first_of(kEnds));

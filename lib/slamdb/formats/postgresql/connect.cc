@@ -59,7 +59,9 @@ void CheckUri(const std::string& uri, const std::string& path) {
   std::string problem, ignored;
   const std::optional<Settings> settings = SettingsOf(uri, ignored), public_settings = SettingsOf(path, problem);
   if (settings && settings == public_settings) return;
-  if (public_settings)
+  if (public_settings && uri.find('@') == std::string::npos)
+    problem = "its port is no number; a password stands before @ and the host";
+  else if (public_settings)
     problem = "in its password, percent-encode what is neither letter nor digit: %40 for @, %2F for /, %3A for :";
   throw Error(
       ErrorKind::kUsage, path, "",
