@@ -4,6 +4,7 @@
 #include "cli/commands/commands.h"
 #include "cli/options.h"
 #include "cli/revisions.h"
+#include "slamdb/formats/formats.h"
 #include "slamdb/formats/store/report.h"
 
 namespace slamdb::cli {
@@ -15,8 +16,18 @@ struct BranchOptions {
   bool json = false;
 };
 
-ExitCode RunBranch(const BranchOptions& options, Console& console) {
+// Also of STORE.db#NAME, where the store is the same.
+std::string NameOfBranch(const std::string& text, const std::string& store) {
+  const Location branch = Location::Parse(text);
+  if (branch.name.empty() || branch.path == store) return branch.name.empty() ? text : branch.name;
+  if (HoldsNamedAtlases(branch.path))
+    RefuseUsage("NAME: a branch is in the store that it is made in, " + store + "; write '" + branch.name + "'");
+  return text;
+}
+
+ExitCode RunBranch(BranchOptions options, Console& console) {
   const Location location = Location::Parse(options.from.atlas);
+  options.name = NameOfBranch(options.name, location.path);
   Store store = OpenToChange(location.path, options.from.wait, console);
   const RevisionName from = store.FindRevision(location.name);
   store.Branch(location.name, options.name, {.threads = console.threads(), .progress = console.MakeProgress(false)});

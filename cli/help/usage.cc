@@ -36,8 +36,12 @@ constexpr OtherWord kOtherWords[] = {
     {"cat", "dump"},
     {"checkout", "restore"},
     {"clean", "gc", {}, "--keep 10"},
+    {"clone", "branch", "NAME"},
     {"combine", "merge", {}, "-o both.osa"},
+    {"commit", "convert", "maps.db#NAME"},
+    {"compact", "gc", {}, "--keep 10"},
     {"compare", "diff"},
+    {"conflicts", "merge --json", {}, "--base base.osa -o both.osa"},
     {"copy", "convert", "copy.osa"},
     {"cp", "convert", "copy.osa"},
     {"crop", "extract", "part.osa", "--box X,Y,Z:X,Y,Z"},
@@ -48,27 +52,32 @@ constexpr OtherWord kOtherWords[] = {
     {"display", "view"},
     {"doctor", "check"},
     {"downgrade", "convert", "older.osa", "--boost-version ubuntu20.04"},
+    {"download", "sync", "copy.db"},
     {"draw", "plot"},
+    {"drop", "remove"},
     {"evo", "evaluate"},
     {"evo_ape", "evaluate"},
     {"evo_rpe", "evaluate"},
     {"evo_traj", "evaluate"},
+    {"expire", "gc", {}, "--keep 10"},
     {"export", "convert", "points.ply"},
     {"find", "list"},
     {"fix", "repair", "fixed.osa"},
+    {"forget", "gc", {}, "--keep 10"},
     {"fsck", "check"},
     {"fork", "branch"},
     {"garbage-collect", "gc", {}, "--keep 10"},
     {"gui", "view"},
     {"history", "log"},
     {"import", "convert", "map.osa"},
+    {"init", "convert", "maps.db#NAME"},
     {"inspect", "info"},
     {"join", "merge", {}, "-o joined.osa --align"},
     {"label", "tag"},
     {"lint", "check"},
     {"load", "info"},
-    {"localise", "locate", {}, "picture.jpg"},
-    {"localize", "locate", {}, "picture.jpg"},
+    {"localise", "locate", "picture.jpg"},
+    {"localize", "locate", "picture.jpg"},
     {"loop", "close-loops", "closed.osa"},
     {"loop-closure", "close-loops", "closed.osa"},
     {"loops", "close-loops", "closed.osa"},
@@ -79,13 +88,20 @@ constexpr OtherWord kOtherWords[] = {
     {"png", "plot"},
     {"print", "dump"},
     {"prune", "cull", "thin.osa"},
+    {"pull", "sync", "copy.db"},
+    {"purge", "remove"},
+    {"push", "sync", "copy.db"},
+    {"put", "convert", "maps.db#NAME"},
     {"query", "list"},
+    {"recognise", "locate", "picture.jpg"},
+    {"recognize", "locate", "picture.jpg"},
     {"register", "align"},
-    {"relocalise", "locate", {}, "picture.jpg"},
-    {"relocalize", "locate", {}, "picture.jpg"},
+    {"relocalise", "locate", "picture.jpg"},
+    {"relocalize", "locate", "picture.jpg"},
     {"render", "view"},
     {"rename", "renumber", "renumbered.osa"},
     {"rescue", "recover", "saved.osa"},
+    {"reset", "restore"},
     {"revert", "restore"},
     {"revisions", "log"},
     {"rm", "remove"},
@@ -93,20 +109,43 @@ constexpr OtherWord kOtherWords[] = {
     {"rpe", "evaluate"},
     {"salvage", "recover", "saved.osa"},
     {"save", "add", "maps.db"},
+    {"search", "list"},
     {"serve", "view", {}, "--serve"},
     {"simplify", "shrink", "small.osa", "--target-keyframes 100"},
+    {"squash", "gc", {}, "--keep 10"},
     {"stat", "info"},
+    {"store", "convert", "maps.db#NAME"},
     {"subset", "extract", "part.osa", "--map 0"},
     {"tags", "tag"},
     {"trajectory", "convert", "poses.tum"},
     {"trim", "extract", "part.osa", "--time +0:+10"},
     {"undo", "repair", "undone.osa", "--undo journal.json"},
     {"upgrade", "migrate"},
+    {"upload", "sync", "copy.db"},
     {"validate", "check"},
     {"verify", "check"},
     {"versions", "log"},
     {"viewer", "view"},
-    {"where", "locate", {}, "picture.jpg"},
+    {"where", "locate", "picture.jpg"},
+};
+
+// What an operand tells of which of two meanings a word has.
+enum class Operand { kNone, kStore, kAtlasInStore, kPicture };
+
+// What a word means besides, where one operand is of that kind.
+struct OtherMeaning {
+  std::string_view of;  // what tells it apart
+  Operand operand;
+  OtherWord word;
+};
+
+constexpr OtherMeaning kOtherMeanings[] = {
+    {"of a whole store", Operand::kStore, {"clone", "sync", "copy.db"}},
+    {"shown in place", Operand::kNone, {"conflicts", "view --findings"}},
+    {"of a picture", Operand::kPicture, {"find", "locate"}},
+    {"of the revisions of a store", Operand::kStore, {"prune", "gc", {}, "--keep 10"}},
+    {"of a picture", Operand::kPicture, {"search", "locate"}},
+    {"of the last save in a store", Operand::kAtlasInStore, {"undo", "restore"}},
 };
 
 // Options by the names that other tools give them.
@@ -182,10 +221,20 @@ std::size_t Operands(std::span<const std::string> words) {
       std::ranges::count_if(words, [](const std::string& word) { return !word.starts_with("-") || word == "-"; }));
 }
 
+Operand KindOf(const std::string& word) {
+  constexpr std::string_view kPictures[] = {".jpg", ".jpeg", ".png", ".pgm"};
+  const Location location = Location::Parse(word);
+  if (HoldsNamedAtlases(location.path)) return location.name.empty() ? Operand::kStore : Operand::kAtlasInStore;
+  const std::string suffix = std::filesystem::path(word).extension().string();
+  return std::ranges::find(kPictures, suffix) != std::end(kPictures) ? Operand::kPicture : Operand::kNone;
+}
+
+bool IsStore(const std::string& word) { return KindOf(word) == Operand::kStore; }
+
 // `add` has the store first: the one that was typed, wherever it stands.
 std::string AddLine(const OtherWord& other, std::span<const std::string> words) {
   std::vector<std::string> line(words.begin(), words.end());
-  const auto store = std::ranges::find_if(line, [](const std::string& word) { return word.ends_with(".db"); });
+  const auto store = std::ranges::find_if(line, IsStore);
   if (store == line.end() || Operands(words) < 2)
     line.insert(line.begin(), std::string(other.output));
   else
@@ -193,12 +242,47 @@ std::string AddLine(const OtherWord& other, std::span<const std::string> words) 
   return CommandLine(other.verb, line);
 }
 
+// What `convert` keeps in a store has a name there.
+std::string KeepLine(const OtherWord& other, std::span<const std::string> words) {
+  std::vector<std::string> line(words.begin(), words.end());
+  const auto store = std::ranges::find_if(line, IsStore);
+  if (store == line.end())
+    return CommandLine(other.verb, line) + (Operands(words) < 2 ? Concat(" ", other.output) : "");
+  *store += "#NAME";
+  std::rotate(store, store + 1, line.end());
+  if (Operands(words) < 2) line.insert(line.begin(), "FILE");
+  return CommandLine(other.verb, line);
+}
+
+// Where no revision was named, the one before the newest.
+std::string RestoreLine(const OtherWord& other, std::span<const std::string> words) {
+  std::vector<std::string> line(words.begin(), words.end());
+  for (std::string& word : line)
+    if (KindOf(word) == Operand::kAtlasInStore && Location::Parse(word).name.find('@') == std::string::npos)
+      word += "@-1";
+  return CommandLine(other.verb, line);
+}
+
 std::string LineFor(const OtherWord& other, std::span<const std::string> words) {
-  if (Operands(words) == 0) return Concat("slamdb ", other.verb, " --help");
+  if (Operands(words) == 0) return Concat("slamdb ", other.verb.substr(0, other.verb.find(' ')), " --help");
   if (other.verb == "add") return AddLine(other, words);
+  if (other.verb == "restore") return RestoreLine(other, words);
+  if (other.output.ends_with("#NAME")) return KeepLine(other, words);
   std::string line = CommandLine(other.verb, words);
   if (Operands(words) < 2 && !other.output.empty()) line += Concat(" ", other.output);
   return other.more.empty() ? line : Concat(line, " ", other.more);
+}
+
+UsageProblem ProblemOfOtherWord(const OtherWord& other, std::span<const std::string> words) {
+  UsageProblem problem{Concat("unknown verb '", other.typed, "'; here it is '", other.verb, "'"),
+                       LineFor(other, words)};
+  const auto besides =
+      std::ranges::find(kOtherMeanings, other.typed, [](const OtherMeaning& meaning) { return meaning.word.typed; });
+  if (besides == std::end(kOtherMeanings)) return problem;
+  problem.problem += Concat(", and ", besides->of, " '", besides->word.verb, "'");
+  const bool is_meant = besides->operand != Operand::kNone && std::ranges::count(words, besides->operand, KindOf) > 0;
+  if (is_meant) problem.next = LineFor(besides->word, words);
+  return problem;
 }
 
 std::vector<std::string> NamesOf(const CLI::App& verb, bool options) {
@@ -222,6 +306,55 @@ std::string Explain(const CLI::App& verb, const std::string& word) {
     if (typed == name && std::ranges::find(known, here) != known.end())
       return Concat(kind, " '", word, "'; here it is ", here);
   return kind + " '" + word + "'" + MeantInstead(name, known);
+}
+
+// Whether it may be a number or tag of a revision, or the name of an atlas: no option, no path.
+bool IsName(const std::string& word) {
+  const bool is_number = word.find_first_not_of("-0123456789") == std::string::npos;
+  return !word.empty() && (word.front() != '-' || is_number) && word.find_first_of("./#@") == std::string::npos;
+}
+
+void EraseLast(std::vector<std::string>& words, const std::string& word) {
+  const auto last = std::ranges::find(words.rbegin(), words.rend(), word);
+  if (last != words.rend()) words.erase(last.base() - 1);
+}
+
+// Of a revision that stands by itself: `restore maps.db#lab 1`.
+std::optional<UsageProblem> ProblemOfRevision(const CLI::App& verb, std::vector<std::string> words,
+                                              const std::string& word) {
+  const auto atlas =
+      std::ranges::find_if(words, [](const std::string& each) { return KindOf(each) == Operand::kAtlasInStore; });
+  if (verb.get_name() != "restore" || !IsName(word) || atlas == words.end() ||
+      Location::Parse(*atlas).name.find('@') != std::string::npos)
+    return std::nullopt;
+  const std::string meant = *atlas += "@" + word;
+  EraseLast(words, word);
+  return UsageProblem{Concat("unexpected argument '", word, "'; a revision is named ", meant),
+                      CommandLine(words.front(), std::span(words).subspan(1))};
+}
+
+// Of a name that stands behind the store by itself: `convert a.osa maps.db lab`, `--name lab`, `--name=lab`.
+std::optional<UsageProblem> ProblemOfName(const CLI::App& verb, std::vector<std::string> words,
+                                          const std::string& word) {
+  constexpr std::string_view kOption = "--name", kValue = "--name=";
+  const auto option =
+      std::ranges::find_if(words, [&](const std::string& each) { return each == kOption || each.starts_with(kValue); });
+  const bool is_option = option != words.end() && verb.get_option_no_throw(std::string(kOption)) == nullptr;
+  const bool has_value = is_option && *option == kOption && option + 1 != words.end();
+  const std::string name = !is_option  ? word
+                           : has_value ? option[1]
+                                       : option->substr(std::min(kValue.size(), option->size()));
+  if (verb.get_option_no_throw("OUTPUT") == nullptr || !IsName(name)) return std::nullopt;
+  if (is_option)
+    words.erase(option, option + (has_value ? 2 : 1));
+  else
+    EraseLast(words, word);
+  const auto store = std::ranges::find_if(words.rbegin(), words.rend(), IsStore);
+  if (store == words.rend()) return std::nullopt;
+  *store += "#" + name;
+  return UsageProblem{Concat(is_option ? "unknown option '" : "unexpected argument '", is_option ? kOption : word,
+                             "'; an atlas in a store is named ", *store),
+                      CommandLine(words.front(), std::span(words).subspan(1))};
 }
 
 // Programs by whose name people ask for the format that they read, and formats by another name.
@@ -351,8 +484,7 @@ UsageProblem ProblemOfVerb(const CLI::App& program, std::span<const std::string>
   const std::string& word = words.front();
   const auto rest = words.subspan(1);
   const auto other = std::ranges::find(kOtherWords, word, &OtherWord::typed);
-  if (other != std::end(kOtherWords))
-    return {Concat("unknown verb '", word, "'; here it is '", other->verb, "'"), LineFor(*other, rest)};
+  if (other != std::end(kOtherWords)) return ProblemOfOtherWord(*other, rest);
   const std::string help = FullName(program) + " --help";
   if (const std::string file = FileMeant(word); !file.empty())
     return {Concat(word, ": there is no such file, and no such verb; did you mean '", file, "'?"),
@@ -371,6 +503,9 @@ UsageProblem ProblemOf(const CLI::App& verb, const CLI::ParseError& error, std::
     const std::string& word = rest.front();
     if (MissesOutput(verb) && LooksWritten(word))
       return {Concat("unexpected argument '", word, "'; -o/--output names the output"), WithOutput(words, word)};
+    const std::vector<std::string> all(words.begin(), words.end());
+    for (const auto problem_of : {ProblemOfRevision, ProblemOfName})
+      if (const std::optional<UsageProblem> problem = problem_of(verb, all, word)) return *problem;
     return {Explain(verb, word), next};
   }
   if (!VerbsOf(verb).empty()) return {"a verb is missing", next};

@@ -59,6 +59,27 @@ TEST(FirstWord, OfOtherToolsIsAnswered) {
       {{"downgrade", "a.osa"}, "slamdb convert a.osa older.osa --boost-version ubuntu20.04"},
       {{"serve", "a.osa"}, "slamdb view a.osa --serve"},
       {{"fsck", "a.osa"}, "slamdb check a.osa"},
+      {{"push", "lab.db"}, "slamdb sync lab.db copy.db"},
+      {{"pull", "postgresql://u@h/maps", "lab.db"}, "slamdb sync postgresql://u@h/maps lab.db"},
+      {{"prune", "a.osa"}, "slamdb cull a.osa thin.osa"},
+      {{"prune", "lab.db"}, "slamdb gc lab.db --keep 10"},
+      {{"squash", "lab.db"}, "slamdb gc lab.db --keep 10"},
+      {{"find", "lab.db"}, "slamdb list lab.db"},
+      {{"find", "lab.db", "a.jpg"}, "slamdb locate lab.db a.jpg"},
+      {{"search", "lab.db", "a.png"}, "slamdb locate lab.db a.png"},
+      {{"recognize", "lab.db"}, "slamdb locate lab.db picture.jpg"},
+      {{"where", "lab.db", "a.jpg"}, "slamdb locate lab.db a.jpg"},
+      {{"put", "a.osa"}, "slamdb convert a.osa maps.db#NAME"},
+      {{"store", "lab.db", "a.osa"}, "slamdb convert a.osa lab.db#NAME"},
+      {{"commit", "a.osa", "lab.db#a"}, "slamdb convert a.osa lab.db#a"},
+      {{"init", "lab.db"}, "slamdb convert FILE lab.db#NAME"},
+      {{"clone", "lab.db#a", "b"}, "slamdb branch lab.db#a b"},
+      {{"clone", "lab.db"}, "slamdb sync lab.db copy.db"},
+      {{"undo", "lab.db#a"}, "slamdb restore lab.db#a@-1"},
+      {{"reset", "lab.db#a@3"}, "slamdb restore lab.db#a@3"},
+      {{"drop", "lab.db#a"}, "slamdb remove lab.db#a"},
+      {{"conflicts", "a.osa", "b.osa"}, "slamdb merge --json a.osa b.osa --base base.osa -o both.osa"},
+      {{"conflicts"}, "slamdb merge --help"},
       {{"validate"}, "slamdb check --help"},
       {{"inof", "a.osa"}, "slamdb info a.osa"},
       {{"chekc", "-v", "a.osa"}, "slamdb check -v a.osa"},
@@ -70,6 +91,38 @@ TEST(FirstWord, OfOtherToolsIsAnswered) {
     EXPECT_THAT(result.err, StartsWith("slamdb: error: unknown verb '" + words.front() + "'"));
     EXPECT_THAT(result.err, EndsWith("\nTry: " + next + "\n"));
   }
+}
+
+TEST(FirstWord, OfTwoMeaningsIsAnsweredWithBoth) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"prune", "here it is 'cull', and of the revisions of a store 'gc'"},
+      {"find", "here it is 'list', and of a picture 'locate'"},
+      {"undo", "here it is 'repair', and of the last save in a store 'restore'"},
+      {"clone", "here it is 'branch', and of a whole store 'sync'"},
+      {"conflicts", "here it is 'merge --json', and shown in place 'view --findings'"},
+  };
+  for (const auto& [word, says] : cases) EXPECT_THAT(RunSlamdb({word}).err, HasSubstr(says));
+}
+
+// A name or a number that stands by itself, as other tools have it, belongs behind the store.
+TEST(SecondWord, OfAnAtlasInAStoreIsAnswered) {
+  const std::pair<std::vector<std::string>, std::string> cases[] = {
+      {{"restore", "lab.db#a", "1"}, "slamdb restore lab.db#a@1"},
+      {{"restore", "lab.db#a", "-1"}, "slamdb restore lab.db#a@-1"},
+      {{"restore", "lab.db#a", "release", "--json"}, "slamdb restore lab.db#a@release --json"},
+      {{"convert", "a.osa", "lab.db", "a"}, "slamdb convert a.osa lab.db#a"},
+      {{"convert", "a.osa", "lab.db", "--name", "a"}, "slamdb convert a.osa lab.db#a"},
+      {{"convert", "a.osa", "--name", "a", "lab.db", "-O"}, "slamdb convert a.osa lab.db#a -O"},
+      {{"convert", "--name=a", "a.osa", "lab.db"}, "slamdb convert a.osa lab.db#a"},
+  };
+  for (const auto& [words, next] : cases) {
+    const ProcessResult result = RunSlamdb(words);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr(" named lab.db#a"));
+    EXPECT_THAT(result.err, EndsWith("\nTry: " + next + "\n"));
+  }
+  EXPECT_THAT(RunSlamdb({"convert", "a.osa", "b.osa", "c"}).err, HasSubstr("unexpected argument 'c'\n"));
+  EXPECT_THAT(RunSlamdb({"restore", "lab.db#a@1", "2"}).err, HasSubstr("unexpected argument '2'\n"));
 }
 
 TEST(FirstWord, VersionIsAskedForByALetter) { EXPECT_EQ(RunSlamdb({"-V"}).out, RunSlamdb({"--version"}).out); }

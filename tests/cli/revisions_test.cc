@@ -225,6 +225,10 @@ TEST_F(Revisions, BranchesBeginAsRevisions) {
   EXPECT_EQ(RunSlamdb({"branch", At("lab"), "robot7"}).exit_code, 1);
   EXPECT_EQ(RunSlamdb({"branch", At("lab"), "ro#bot"}).exit_code, 1);
   EXPECT_EQ(RunSlamdb({"branch", At("nobody"), "b"}).exit_code, 1);
+  EXPECT_THAT(RunSlamdb({"branch", At("lab"), At("robot8")}).out, HasSubstr("s.db#robot8 begins as lab@2"));
+  const ProcessResult elsewhere = RunSlamdb({"branch", At("lab"), folder_ / "other.db#robot9"});
+  EXPECT_EQ(elsewhere.exit_code, 2);
+  EXPECT_THAT(elsewhere.err, HasSubstr("s.db; write 'robot9'"));
 }
 
 // What the robot did and what was done here, each a little: the merge has both, and knows what it was made of.
