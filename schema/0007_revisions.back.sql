@@ -5,13 +5,13 @@
 -- log, who did what and what changed in the maps goes.
 CREATE TEMP TABLE step_back (
   earlier INTEGER
-    CONSTRAINT "the store holds earlier revisions, which version 6 cannot: 'slamdb gc --keep 1' gives them up"
+    CONSTRAINT "the store holds earlier revisions, which version 6 cannot: 'slamdb gc --keep 1' gives up those that no tag, branch or restored one keeps; 'slamdb convert STORE#NAME NEW.db#NAME' of each atlas makes a store that can go back"
     CHECK (earlier = 0),
   tags INTEGER
-    CONSTRAINT "revisions have tags, which version 6 cannot keep: remove them first"
+    CONSTRAINT "revisions have tags, which version 6 cannot keep: remove them first, or 'slamdb convert STORE#NAME NEW.db#NAME' of each atlas makes a store that can go back"
     CHECK (tags = 0),
   branches INTEGER
-    CONSTRAINT "atlases were branched or merged, of which version 6 cannot know: remove those atlases"
+    CONSTRAINT "atlases were branched or merged, of which version 6 cannot know: 'slamdb convert STORE#NAME NEW.db#NAME' of each atlas makes a store that can go back"
     CHECK (branches = 0)
 );
 INSERT INTO step_back

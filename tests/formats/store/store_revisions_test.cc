@@ -13,6 +13,7 @@
 namespace slamdb::store_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -435,7 +436,24 @@ TEST_F(StoreRevisions, GoingBackIsRefusedForTagsAndBranches) {
   EXPECT_THAT(ErrorOf([&] { MigrateBackTo(path_, 6); }), HasSubstr("revisions have tags"));
   Store::OpenForWriting(path_).Untag("a", "release");
   Store::OpenForWriting(path_).Branch("a", "b");
-  EXPECT_THAT(ErrorOf([&] { MigrateBackTo(path_, 6); }), HasSubstr("branched or merged"));
+  EXPECT_THAT(
+      ErrorOf([&] { MigrateBackTo(path_, 6); }),
+      AllOf(HasSubstr("branched or merged"), HasSubstr("'slamdb convert STORE#NAME NEW.db#NAME' of each atlas")));
+}
+
+// What the error says: no other atlas has to go, and nothing that is the only copy.
+TEST_F(StoreRevisions, AtlasesSavedInANewStoreGoBack) {
+  Save(SoundAtlas());
+  Store store = Store::OpenForWriting(path_);
+  store.Branch("a", "b");
+  store.Save("a", Atlas());
+  store.GiveUp({.keep = 1});
+  EXPECT_THAT(ErrorOf([&] { MigrateBackTo(path_, 6); }), HasSubstr("gives up those that no tag, branch"));
+  const std::string copy = folder_ / "new.db";
+  for (const char* name : {"a", "b"}) SaveIn(copy, LoadFrom(path_, name), name);
+  MigrateBackTo(copy, 6);
+  MigrateStore(copy, {.backup = false});
+  EXPECT_EQ(FirstDifference(LoadFrom(copy, "b"), saved_[0].second), "");
 }
 
 TEST_F(StoreRevisions, TagsAreNamesAndStayWhereTheyAre) {
