@@ -69,6 +69,19 @@ class Lines {
                     " in " + first_ + " and another one, " + std::to_string(conflict.second) + ", in " + second_ +
                     ": both stay; 'slamdb tag STORE#" + atlas.name + " " + conflict.tag +
                     " --remove' in one of them, and the next sync brings the other's");
+    for (const SyncedAtlas::Alone& alone : atlas.alone) WarnOfAlone(name, alone);
+  }
+
+  // `'lab' has 2 earlier revisions, with the tag 'first', in robot.db alone: ...`.
+  void WarnOfAlone(const std::string& name, const SyncedAtlas::Alone& alone) {
+    std::string what = Counted(alone.revisions.size(), "earlier revision");
+    for (std::size_t i = 0; i < alone.tags.size(); ++i)
+      what += (i > 0                    ? ", "
+               : alone.tags.size() == 1 ? ", with the tag "
+                                        : ", with the tags ") +
+              ("'" + alone.tags[i] + "'");
+    console_.Warn(name + " has " + what + ", in " + (alone.in_first ? first_ : second_) + " alone: " +
+                  (alone.in_first ? second_ : first_) + " has newer ones already, and behind these nothing is brought");
   }
 
   const SyncVerbOptions& options_;
@@ -170,8 +183,9 @@ what the log says of them: who, when, with what. Whether one is there is told by
 what is killed, or loses its connection, is run again and goes on. To and from servers only what changed is sent.
 
 Where each store has revisions that the other lacks, nothing is overwritten: see --diverged. An atlas that was removed from one
-store comes back from the other; revisions that 'slamdb gc' gave up in one do not.)",
-    .done = "Both stores hold the same.",
+store comes back from the other; revisions that 'slamdb gc' gave up in one do not. Revisions before the newest that both have are
+not brought either: where one store alone has such, a warning tells of them.)",
+    .done = "Both stores hold the same, but for earlier revisions that a warning tells of.",
     .failed = "A store could not be read or written, or some atlas not be copied; what was copied stays.",
     .lossy = "Some atlas has diverged, or a tag is of another revision in each store: these stay as they are in both.",
     .examples = kExamples,

@@ -303,5 +303,25 @@ TEST_F(Revisions, SyncOfTwoStores) {
   EXPECT_THAT(unknown.err, HasSubstr("has an atlas named 'nobody'"));
 }
 
+TEST_F(Revisions, SyncTellsWhatStaysInOneStoreAlone) {
+  const std::string other = folder_ / "other.db";
+  RunSlamdb({"tag", At("lab@1"), "first"});
+  ASSERT_EQ(RunSlamdb({"add", other, store_}).exit_code, 0);
+  const ProcessResult told = RunSlamdb({"sync", store_, other});
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_EQ(told.out, "1 same\n");
+  EXPECT_THAT(told.err, HasSubstr("'lab' has 1 earlier revision, with the tag 'first', in " + store_ + " alone"));
+  const json report = json::parse(RunSlamdb({"sync", store_, other, "--json"}).out);
+  EXPECT_EQ(BreachOf(report, "sync.schema.json"), "");
+  EXPECT_EQ(report.at("same"), 1);
+  EXPECT_EQ(report.at("atlases").at(0).at("alone"),
+            json::parse(R"([{"in": "first", "revisions": [1], "tags": ["first"]}])"));
+  // Without what the other has by itself, all of it comes.
+  RunSlamdb({"remove", other + "#lab"});
+  EXPECT_EQ(RunSlamdb({"sync", store_, other}).err, "");
+  EXPECT_EQ(RunSlamdb({"sync", store_, other}).out, "1 same\n");
+  EXPECT_EQ(json::parse(RunSlamdb({"log", other + "#lab", "--json"}).out).at("entries").back().at("revision"), 2);
+}
+
 }  // namespace
 }  // namespace slamdb::testing

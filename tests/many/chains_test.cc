@@ -120,6 +120,29 @@ TEST(Chains, AreComparedAsIfNothingHadBeenGivenUp) {
   }
 }
 
+std::vector<std::uint64_t> NumbersAlone(const RevisionChain& chain, const RevisionChain& other) {
+  std::vector<std::uint64_t> numbers;
+  for (const RevisionChain::Link& link : LinksAlone(chain, other)) numbers.push_back(link.number);
+  return numbers;
+}
+
+TEST(Chains, TellWhatOneAloneHas) {
+  using Numbers = std::vector<std::uint64_t>;
+  const RevisionChain chain{.links = {{1, 10}, {2, 20}, {3, 30}}};
+  EXPECT_EQ(NumbersAlone(chain, chain), Numbers());
+  EXPECT_EQ(NumbersAlone(chain, {.links = {{1, 30}}}), Numbers({1, 2}));
+  EXPECT_EQ(NumbersAlone({.links = {{1, 30}}}, chain), Numbers());
+  EXPECT_EQ(NumbersAlone(chain, ChainOf({{2, 20}}, {{3, 30}})), Numbers({1}));
+  // What was merged is in what both have, and what comes before that is not.
+  const Links merged = {{3, 31}, {4, 40, 30}};
+  EXPECT_EQ(NumbersAlone({.links = {{1, 10}, {2, 20}, {3, 30}, {4, 40, 30}}}, {.links = merged}), Numbers());
+  EXPECT_EQ(NumbersAlone({.links = {{1, 10}, {2, 20}, {3, 30}, {4, 40, 30}}}, {.links = {{2, 20}, {4, 40, 30}}}),
+            Numbers({1}));
+  EXPECT_EQ(NumbersAlone({.links = merged}, {.links = {{1, 10}, {2, 20}, {3, 30}, {4, 40, 30}}}), Numbers());
+  // Of a merge with another atlas nothing is told.
+  EXPECT_EQ(NumbersAlone({.links = {{1, 10}, {2, 20, 99}}}, {.links = {{1, 20, 99}}}), Numbers({1}));
+}
+
 TEST(Chains, OfWhichOneIsTheBeginningOfTheOtherNeedNoLog) {
   const RevisionChain none, one{.links = {{3, 30}}}, two{.links = {{3, 30}, {4, 40}}}, other{.links = {{3, 31}}};
   EXPECT_FALSE(DependsOnGivenUp(none, two));

@@ -121,9 +121,9 @@ class SyncTest : public ::testing::TestWithParam<Pair> {
         EXPECT_EQ(FirstDifference(Store::Open(second_).LoadOnto(revision, {}), atlas), "") << revision.ToString();
       }
   }
-  void ExpectNothingToDo() const {
+  void ExpectNothingToDo(const std::vector<std::string>& told = {}) const {
     const SyncReport report = Sync();
-    EXPECT_THAT(Told(report), IsEmpty());
+    EXPECT_EQ(Told(report), told);
     EXPECT_EQ(report.same, Store::Open(first_).Names().size());
   }
 
@@ -349,8 +349,8 @@ TEST_P(SyncTest, RevisionsThatAreAlikeStayTwo) {
 
 TEST_P(SyncTest, WhatWasSavedForItselfIsKnownByItsHash) {
   Atlas atlas = SaveSome(first_, "a", 3);
-  Save(second_, "a", atlas);  // is revision 1 there
-  ExpectNothingToDo();
+  Save(second_, "a", atlas);      // is revision 1 there
+  ExpectNothingToDo({"same a"});  // with what one has before
   Change(atlas, 4);
   Save(first_, "a", atlas);
   EXPECT_THAT(Told(Sync()), ElementsAre("copied a 4 to second"));
@@ -358,7 +358,7 @@ TEST_P(SyncTest, WhatWasSavedForItselfIsKnownByItsHash) {
   Change(atlas, 5);
   Save(second_, "a", atlas);
   EXPECT_THAT(Told(Sync()), ElementsAre("copied a 5 to first"));
-  ExpectNothingToDo();
+  ExpectNothingToDo({"same a"});  // with what one has before
 }
 
 TEST_P(SyncTest, ANumberThatIsTakenBecomesTheNext) {
@@ -371,6 +371,36 @@ TEST_P(SyncTest, ANumberThatIsTakenBecomesTheNext) {
   EXPECT_THAT(Told(Sync()), ElementsAre("copied a 2 to second"));
   EXPECT_EQ(Store::Open(second_).FindRevision("a").number, 4U);
   EXPECT_EQ(FirstDifference(Store::Open(second_).Load("a"), atlas), "");
+  ExpectNothingToDo({"same a"});  // with what one has before
+}
+
+// As `slamdb add` copies the newest content alone.
+TEST_P(SyncTest, WhatStaysInOneAloneIsTold) {
+  Atlas atlas = SaveSome(first_, "a", 3);
+  Writer(first_).Tag("a@2", "second");
+  Writer(first_).Tag("a@3", "third");
+  Save(second_, "a", atlas);
+  for (const bool is_first_run : {true, false}) {
+    const SyncReport report = Sync();
+    EXPECT_THAT(Told(report), ElementsAre(is_first_run ? "copied a #third to second" : "same a"));
+    EXPECT_EQ(report.same, is_first_run ? 0U : 1U);
+    ASSERT_THAT(report.atlases[0].alone, SizeIs(1));
+    const SyncedAtlas::Alone& alone = report.atlases[0].alone[0];
+    EXPECT_TRUE(alone.in_first);
+    EXPECT_THAT(alone.revisions, ElementsAre(1, 2));
+    EXPECT_THAT(alone.tags, ElementsAre("second"));
+  }
+  // Also when newer ones go the other way, but not of what is not asked for.
+  Change(atlas, 7);
+  Save(second_, "a", atlas);
+  const SyncReport report = Sync();
+  EXPECT_THAT(Told(report), ElementsAre("copied a 2 to first"));
+  EXPECT_THAT(report.atlases[0].alone, SizeIs(1));
+  EXPECT_EQ(SyncStores(second_, first_, {.one_way = true}).same, 1U);
+  EXPECT_THAT(SyncStores(second_, first_, {.one_way = true}).atlases, IsEmpty());
+  // What was given up is not missed.
+  Writer(first_).Untag("a", "second");
+  Writer(first_).GiveUp({.keep = 2});
   ExpectNothingToDo();
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <compare>
 #include <iterator>
+#include <ranges>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -114,6 +116,25 @@ std::uint64_t NumberOf(const RevisionChain& chain, const RevisionChain::Link& li
 std::uint64_t HashOf(const RevisionChain& chain, std::uint64_t number) {
   const auto found = std::ranges::find(chain.links, number, &Link::number);
   return found == chain.links.end() ? 0 : found->hash;
+}
+
+std::vector<RevisionChain::Link> LinksAlone(const RevisionChain& chain, const RevisionChain& other) {
+  const auto hashes_of = [](const RevisionChain& each) {
+    std::set<std::uint64_t> hashes;
+    for (const Link& link : Whole(each)) hashes.insert(link.hash);
+    return hashes;
+  };
+  const std::set<std::uint64_t> own = hashes_of(chain), others = hashes_of(other);
+  std::vector<Link> alone;
+  bool is_merged = false;  // into what both have
+  for (const Link& link : std::views::reverse(chain.links)) {
+    if (others.contains(link.hash))
+      is_merged = own.contains(link.from_hash) || others.contains(link.from_hash);
+    else if (!is_merged)
+      alone.push_back(link);
+  }
+  std::ranges::reverse(alone);
+  return alone;
 }
 
 RevisionChain* FindChain(std::vector<RevisionChain>& chains, const std::string& name) {

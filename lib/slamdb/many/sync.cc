@@ -201,10 +201,8 @@ class Syncer {
   }
   void Finish() {
     SyncedAtlas atlas = std::exchange(current_, {});
-    if (atlas.result == SyncResult::kSame && atlas.conflicts.empty()) {
-      ++report_.same;
-      return;
-    }
+    if (atlas.result == SyncResult::kSame) ++report_.same;
+    if (atlas.result == SyncResult::kSame && atlas.conflicts.empty() && atlas.alone.empty()) return;
     if (options_.on_done) options_.on_done(atlas);
     report_.atlases.push_back(std::move(atlas));
   }
@@ -266,6 +264,21 @@ class Syncer {
         break;
     }
     BringTags(atlas, first, second);
+    TellAlone(atlas, first, second);
+  }
+  // What diverged, or is ahead where it is not to be copied, is told of as such.
+  void TellAlone(SyncedAtlas& atlas, const RevisionChain& first, const RevisionChain& second) const {
+    atlas.alone.clear();  // of an attempt before
+    if (atlas.result != SyncResult::kSame && atlas.result != SyncResult::kCopied) return;
+    const auto tell = [&](const RevisionChain& chain, const RevisionChain& other, bool in_first) {
+      SyncedAtlas::Alone alone{.in_first = in_first};
+      for (const RevisionChain::Link& link : detail::LinksAlone(chain, other)) alone.revisions.push_back(link.number);
+      for (const RevisionChain::Tag& tag : chain.tags)
+        if (!Has(other, tag) && std::ranges::binary_search(alone.revisions, tag.number)) alone.tags.push_back(tag.name);
+      if (!alone.revisions.empty()) atlas.alone.push_back(std::move(alone));
+    };
+    tell(first, second, true);
+    if (!options_.one_way) tell(second, first, false);
   }
 
   // Copies the links of `source` from `missing` on; `target` comes to have them.

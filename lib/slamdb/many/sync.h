@@ -40,13 +40,20 @@ struct SyncedAtlas {
     std::uint64_t first = 0, second = 0;  // the revision that it names there
   };
   std::vector<Conflict> conflicts;  // tags that name another revision in each: both stay
-  std::string failure;              // kFailed: why
+  // What stays in one store, as what is newest is the same, and what comes before it is not brought.
+  struct Alone {
+    bool in_first = false;
+    std::vector<std::uint64_t> revisions;  // that the other neither has nor had
+    std::vector<std::string> tags;         // of these
+  };
+  std::vector<Alone> alone;  // one for each store that has such; of kSame and kCopied
+  std::string failure;       // kFailed: why
 };
 
 struct SyncReport {
   std::string first, second;         // the stores
-  std::vector<SyncedAtlas> atlases;  // by name, without those that are the same
-  std::uint64_t same = 0;
+  std::vector<SyncedAtlas> atlases;  // by name, without those that are the same and of which no more is to be told
+  std::uint64_t same = 0;            // of all
 
   SLAMDB_EXPORT std::uint64_t Count(SyncResult result) const;
   SLAMDB_EXPORT std::uint64_t Conflicts() const;  // tags
@@ -77,6 +84,8 @@ struct SyncOptions {
 // was made of, and its number, unless that is taken: then it gets the next one. Whether a revision is there is told by
 // its hash; so nothing that was interrupted needs to be cleaned up: the next call goes on with the next revision.
 //   An atlas that was removed from one store comes back from the other.
+//   Revisions before the newest that both have are not brought, nor their tags: the report tells of them
+//   (SyncedAtlas::alone).
 //   Revisions that were given up in one store stay there in the other, and do not come back: only what is newer is
 //   copied. Nor has a store diverged that gave up what the other has as its newest: its log tells that it had that.
 //   Where one side merged what the newest revision of the other is (`from`), the other is behind it.

@@ -18,11 +18,14 @@ Json JsonOf(const SyncedAtlas& atlas) {
                {"revisions", atlas.revisions},
                {"branch", detail::TextOrNull(atlas.branch)},
                {"tags", Json::array()},
-               {"conflicts", Json::array()}};
+               {"conflicts", Json::array()},
+               {"alone", Json::array()}};
   for (const SyncedAtlas::Tag& tag : atlas.tags)
     json["tags"].push_back({{"tag", tag.tag}, {"to", Which(tag.to_first)}});
   for (const SyncedAtlas::Conflict& conflict : atlas.conflicts)
     json["conflicts"].push_back({{"tag", conflict.tag}, {"first", conflict.first}, {"second", conflict.second}});
+  for (const SyncedAtlas::Alone& alone : atlas.alone)
+    json["alone"].push_back({{"in", Which(alone.in_first)}, {"revisions", alone.revisions}, {"tags", alone.tags}});
   if (atlas.result == SyncResult::kFailed) json["failure"] = atlas.failure;
   return json;
 }

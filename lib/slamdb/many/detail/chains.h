@@ -37,6 +37,9 @@ std::uint64_t NumberOf(const RevisionChain& chain, const RevisionChain::Link& li
 // Of the revision of that number; 0: there is none.
 std::uint64_t HashOf(const RevisionChain& chain, std::uint64_t number);
 
+// What of a chain the other neither has nor had, oldest first, without what both have a merge of.
+std::vector<RevisionChain::Link> LinksAlone(const RevisionChain& chain, const RevisionChain& other);
+
 // Of those of a page, which are by name; nullptr: there is none of that name.
 RevisionChain* FindChain(std::vector<RevisionChain>& chains, const std::string& name);
 // Takes the chain of that name out of those of a page; one without links where there is none.
