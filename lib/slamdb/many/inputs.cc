@@ -34,9 +34,7 @@ constexpr std::array<std::string_view, 7> kOfAtlasesAlone = {".osa",     ".osa.t
                                                              ".mrpt.gz", ".mrpt.txt", ".mrpt.txt.gz"};
 
 constexpr std::string_view kNotInLog =
-    "table history has lost what it was when it was saved, so nobody can tell whether what is read of it still is "
-    "that: "
-    "the store is damaged";
+    "table history has lost what it was when it was saved, and so whether it still is that: the store is damaged";
 
 bool HoldsAtlases(const Format& format) {
   return format.read != nullptr && HasAny(format.reads, Content::kObservations | Content::kLandmarks);
