@@ -97,7 +97,8 @@ const Command kGc = {
     .description =
         R"(Gives up revisions for good, all of a file in one transaction, and the space that they took. What is to be kept has to be said; of several
 ways to keep, one is enough. The newest revision of every atlas stays, and so does what has a tag, and what others were branched
-off or merged from, and these; what one that stays was restored from stays with it.)",
+off or merged from, and these; as long as an earlier one stays, so do those that were restored
+behind it, and what they were restored from.)",
     .failed = "The store could not be written, or another program uses it.",
     .examples = kExamples,
     .add = AddGc,

@@ -326,16 +326,21 @@ class Syncer {
   }
 
   // What the second has under the name that a line of the first goes to: NAME-of-HOST, or, where other atlases are
-  // called that, as those of another robot of that host name, the first of NAME-of-HOST-2, -3, ... that is free or has
-  // some of the line.
+  // called that in either store, as those of another robot of that host name, the first of NAME-of-HOST-2, -3, ... that
+  // is free or has some of the line.
   RevisionChain BranchFor(const RevisionChain& line) {
     const HistoryEntry newest = first_.ToRead().LogOf({line.name, line.links.back().number});
     const std::string name = Concat(line.name, "-of-", HostOf(newest.who));
+    const auto of_line = [&line](Side& side, const std::string& numbered) -> std::optional<RevisionChain> {
+      RevisionChain chain = side.Chain(numbered, false);
+      if (detail::DependsOnGivenUp(line, chain)) chain = side.Chain(numbered, true);
+      if (detail::Compare(line, chain).state == detail::Compared::State::kDiverged) return std::nullopt;
+      return chain;
+    };
     for (int count = 1;; ++count) {
       const std::string numbered = count == 1 ? name : Concat(name, "-", count);
-      RevisionChain branch = second_.Chain(numbered, false);
-      if (detail::DependsOnGivenUp(line, branch)) branch = second_.Chain(numbered, true);
-      if (detail::Compare(line, branch).state != detail::Compared::State::kDiverged) return branch;
+      std::optional<RevisionChain> branch = of_line(second_, numbered);
+      if (branch && of_line(first_, numbered)) return *std::move(branch);
     }
   }
   // What the first made of the last revision that both have goes to the second under another name, beginning with that.

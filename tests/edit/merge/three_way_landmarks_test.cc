@@ -222,6 +222,31 @@ TEST(ThreeWayLandmarks, OfMapsThatCountAlikeStayInTheirs) {
   EXPECT_EQ(LandmarksOf(merged.atlas), (std::multiset<double>{1, 2, 3, 4.5}));
 }
 
+TEST(ThreeWayLandmarks, OfMapsThatCountAlikeStayInTheirsWhateverElseTellsThem) {
+  const Branched branched = Branch(kWorlds[4]);
+  const auto with = [](const Atlas& atlas, const std::vector<std::pair<std::uint64_t, double>>& first) {
+    return WithLandmarks(WithLandmarks(atlas, first, 9), {{9000, 3}, {9001, 4}}, 10);
+  };
+  const Atlas base = with(branched.base, {{9000, 0}, {9001, 1}, {9002, 2}}),
+              fewer = with(branched.ours, {{9000, 0}, {9001, 1}}),
+              more = with(branched.theirs, {{9000, 0}, {9001, 1}, {9002, 2}, {9050, 50}});
+  for (const bool swapped : {false, true}) {
+    const ThreeWayResult merged = swapped ? MergeThreeWays(base, more, fewer) : MergeThreeWays(base, fewer, more);
+    ASSERT_THAT(merged.atlas.maps, SizeIs(3));
+    EXPECT_EQ(merged.atlas.maps[1].id, MapId(9));
+    EXPECT_EQ(LandmarksOf(merged.atlas), (std::multiset<double>{0, 1, 3, 4, 50})) << swapped;
+    EXPECT_THAT(merged.report.conflicts, IsEmpty());
+  }
+}
+
+TEST(ThreeWayLandmarks, OfOneIdAreAllThere) {
+  const Branched branched = Branch(kWorlds[4]);
+  const Atlas base = WithLandmarks(branched.base, {{9001, 1}}), ours = WithLandmarks(branched.ours, {{9001, 1}}),
+              theirs = WithLandmarks(branched.theirs, {{9001, 1}, {9001, 2}});
+  EXPECT_EQ(LandmarksOf(MergeThreeWays(base, ours, theirs).atlas), (std::multiset<double>{1, 2}));
+  EXPECT_EQ(LandmarksOf(MergeThreeWays(base, theirs, ours).atlas), (std::multiset<double>{1, 2}));
+}
+
 TEST(ThreeWayLandmarks, OfBothAreThereOnceHoweverOftenTheyAreMerged) {
   const Branched branched = Branch(kWorlds[4]);
   const Atlas base = WithLandmarks(branched.base, {{9001, 1}}),

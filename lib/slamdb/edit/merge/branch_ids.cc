@@ -42,7 +42,8 @@ Image ImageOf(const KeyFrame& keyframe) {
   hash = HashOfColumn(features.keypoints, hash);
   hash = HashOfColumn(features.right_keypoints, hash);
   hash = HashOfColumn(features.descriptors, hash);
-  if (keyframe.carried) hash = HashOfColumn(keyframe.carried->descriptors.data, hash);
+  if (keyframe.carried && !keyframe.carried->descriptors.data.empty())
+    hash = HashOfColumn(keyframe.carried->descriptors.data, hash);
   const std::int64_t shape[] = {static_cast<std::int64_t>(features.map_points.size()), features.left_count};
   hash = HashOfColumn(std::span(shape), hash);
   return {hash, keyframe.id.value(), features.keypoints.empty() && features.descriptors.empty()};

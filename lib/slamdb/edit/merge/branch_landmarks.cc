@@ -13,7 +13,7 @@
 namespace slamdb::detail {
 namespace {
 
-// What tells a landmark of a map: its id, or else its content, and how many alike are before it.
+// What tells a landmark of a map: its id, or else its content, and how many of that are before it.
 using Key = std::tuple<std::uint64_t, std::int64_t, std::size_t>;
 
 struct Entry {
@@ -27,10 +27,12 @@ Entries EntriesOf(const LandmarkLists& lists, bool with_places) {
   Entries entries;
   std::uint32_t row = 0;
   std::unordered_map<std::int64_t, std::size_t> alike;
+  std::unordered_map<std::uint64_t, std::size_t> of_one_id;
   for (const std::span<const Landmark> list : lists)
     for (const Landmark& landmark : list) {
       const std::int64_t content = ContentOf(landmark, with_places);
-      const Key key = landmark.is_numbered() ? Key(landmark.id.value(), 0, 0) : Key(kNoId, content, alike[content]++);
+      const std::uint64_t id = landmark.id.value();
+      const Key key = landmark.is_numbered() ? Key(id, 0, of_one_id[id]++) : Key(kNoId, content, alike[content]++);
       entries.emplace(key, Entry{row++, content});
     }
   return entries;

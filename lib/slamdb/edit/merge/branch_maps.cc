@@ -85,23 +85,26 @@ std::unordered_set<std::uint64_t> ThingsOfSeveral(const Maps& maps) {
   return several;
 }
 
-// Clouds and landmarks: those that share things, and of those that share nothing those of one id.
+// Clouds and landmarks: those that share things, and of those of which these do not tell those of one id.
 void JoinWithoutKeyframes(const Maps& maps, UnionFind& sets) {
   const std::unordered_set<std::uint64_t> several = ThingsOfSeveral(maps);
   // Numbers of the first maps that have a thing, or are called so.
   std::unordered_map<std::uint64_t, std::uint32_t> owner, by_id;
-  std::vector<std::uint8_t> shares(maps.size(), 0);
+  std::vector<std::uint8_t> shares(maps.size(), 0), is_vague(maps.size(), 0);
   for (std::uint32_t number = 0; number < maps.size(); ++number)
     if (maps[number].keyframes.empty())
       ForEachThing(maps[number], [&](std::uint64_t thing) {
-        if (several.contains(thing)) return;
+        if (several.contains(thing)) {
+          is_vague[number] = 1;
+          return;
+        }
         const auto [first, is_new] = owner.emplace(thing, number);
         if (is_new) return;
         sets.Join(first->second, number);
         shares[first->second] = shares[number] = 1;
       });
   for (std::uint32_t number = 0; number < maps.size(); ++number)
-    if (maps[number].keyframes.empty() && shares[number] == 0)
+    if (maps[number].keyframes.empty() && (shares[number] == 0 || is_vague[number] != 0))
       sets.Join(by_id.emplace(maps[number].id.value(), number).first->second, number);
 }
 

@@ -119,6 +119,9 @@ class ThreeWayMerger {
       report().unchanged = report().contains = std::nullopt;
       return false;
     }
+    if (report().same && HasLandmarks(branches_.base) && !HasLandmarks(branches_.ours))
+      report().warnings.push_back("both sides have no landmarks, as an .osa file has none: those of " +
+                                  options_.names[0] + " are lost");
     result_.atlas = is_theirs ? branches_.theirs : branches_.ours;
     report().result = report().counts[is_theirs ? 2 : 1];
     if (options_.id_maps) RecordTrivialIds(is_theirs);
@@ -127,7 +130,9 @@ class ThreeWayMerger {
 
   // Whether a side comes from a format that has no place for what the base has, as an .osa file.
   bool LacksAPlace(const Atlas& side) const {
-    return (HasLandmarks(branches_.base) && !HasLandmarks(side)) || (HasTracking(branches_.base) && !HasTracking(side));
+    return (HasLandmarks(branches_.base) && !HasLandmarks(side)) ||
+           (HasTracking(branches_.base) && !HasTracking(side)) ||
+           (!branches_.base.layout.empty() && side.layout.empty());
   }
   static bool HasLandmarks(const Atlas& atlas) {
     return std::ranges::any_of(atlas.maps, [](const Map& map) { return !map.landmarks.empty(); });
