@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <compare>
 #include <iterator>
-#include <ranges>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -127,11 +126,11 @@ std::vector<RevisionChain::Link> LinksAlone(const RevisionChain& chain, const Re
   const std::set<std::uint64_t> own = hashes_of(chain), others = hashes_of(other);
   std::vector<Link> alone;
   bool is_merged = false;  // into what both have
-  for (const Link& link : std::views::reverse(chain.links)) {
-    if (others.contains(link.hash))
-      is_merged = own.contains(link.from_hash) || others.contains(link.from_hash);
+  for (auto link = chain.links.rbegin(); link != chain.links.rend(); ++link) {
+    if (others.contains(link->hash))
+      is_merged = own.contains(link->from_hash) || others.contains(link->from_hash);
     else if (!is_merged)
-      alone.push_back(link);
+      alone.push_back(*link);
   }
   std::ranges::reverse(alone);
   return alone;
