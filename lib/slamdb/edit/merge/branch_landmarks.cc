@@ -163,8 +163,8 @@ PlacesOfPoints PlacesOfTheirPoints(const LandmarkPlan& plan, const Map& ours, co
     PlacesOfPoints places;
     for (const MapPoint& point : side.points) {
       const MapPointId name = classes.Of(point.id);
-      const auto [place, is_new] = places.emplace(name.value(), point.position);
-      if (name == point.id) place->second = point.position;
+      Eigen::Vector3f& place = places.emplace(name.value(), point.position).first->second;
+      if (name == point.id) place = point.position;
     }
     for (std::size_t row = 0; row < side.landmarks.size(); ++row) {
       const Landmark& landmark = side.landmarks[row];

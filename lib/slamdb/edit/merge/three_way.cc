@@ -280,6 +280,13 @@ class ThreeWayMerger {
     parts_.push_back({group.ours.front(), std::move(ours)});
   }
 
+  // How the source lies in the frame of the target, where that is another one.
+  static std::optional<Similarity3d> ToAnotherFrame(const Map& target, const Map& source) {
+    const bool with_scale = detail::HasArbitraryScale(target) || detail::HasArbitraryScale(source);
+    const auto mean = detail::MeanMotion(target, source, with_scale);
+    return mean && detail::IsAnotherFrame(*mean, source) ? mean : std::nullopt;
+  }
+
   detail::LandmarkPlan PlanLandmarks(const MapGroup& group) const {
     const auto lists = [](const Atlas& atlas, const std::vector<std::uint32_t>& rows) {
       detail::LandmarkLists all;
@@ -289,10 +296,8 @@ class ThreeWayMerger {
     const auto base = lists(branches_.base, group.base), ours = lists(branches_.ours, group.ours),
                theirs = lists(branches_.theirs, group.theirs);
     const auto moved = [&](const Atlas& side, const std::vector<std::uint32_t>& rows) {
-      if (group.base.empty()) return false;
-      const Map &map = side.maps[rows.front()], &before = branches_.base.maps[group.base.front()];
-      const auto motion = detail::MeanMotion(map, before, false);
-      return motion && detail::IsAnotherFrame(*motion, before);
+      return HasLandmarks(branches_.base) && !group.base.empty() &&
+             ToAnotherFrame(side.maps[rows.front()], branches_.base.maps[group.base.front()]).has_value();
     };
     const bool with_places =
         !group.IsJoined() && !moved(branches_.ours, group.ours) && !moved(branches_.theirs, group.theirs);
@@ -418,23 +423,18 @@ class ThreeWayMerger {
   // whole. Returns whether flags of the IMU are those of ours though theirs changed them, because its frame is not
   // kept.
   bool ChooseFrame(Map* base, Map& ours, Map& theirs, MergedBranchMap& merged) {
-    const auto motion = [&](const Map& target, const Map& source) -> std::optional<Similarity3d> {
-      const bool with_scale = detail::HasArbitraryScale(target) || detail::HasArbitraryScale(source);
-      const auto mean = detail::MeanMotion(target, source, with_scale);
-      return mean && detail::IsAnotherFrame(*mean, source) ? mean : std::nullopt;
-    };
-    if (!motion(ours, theirs)) return false;
-    const bool ours_left = base && motion(ours, *base), theirs_left = base && motion(theirs, *base);
+    if (!ToAnotherFrame(ours, theirs)) return false;
+    const bool ours_left = base && ToAnotherFrame(ours, *base), theirs_left = base && ToAnotherFrame(theirs, *base);
     const bool to_theirs =
         options_.geometry == BranchGeometry::kTheirs || (options_.geometry != BranchGeometry::kOurs && theirs_left &&
                                                          (!ours_left || options_.prefer == BranchSide::kTheirs));
     Map &target = to_theirs ? theirs : ours, &source = to_theirs ? ours : theirs;
     (to_theirs ? merged.motion_of_ours : merged.motion_of_theirs).another_frame = true;
-    const Similarity3d moved = *motion(target, source);
+    const Similarity3d moved = *ToAnotherFrame(target, source);
     for (std::string& warning : TransformWarnings(source, moved)) report().warnings.push_back(std::move(warning));
     TransformMap(source, moved, options_.threads);
     if (base != nullptr)
-      if (const auto of_base = motion(target, *base)) TransformMap(*base, *of_base, options_.threads);
+      if (const auto of_base = ToAnotherFrame(target, *base)) TransformMap(*base, *of_base, options_.threads);
     return !to_theirs && theirs_left;
   }
 
