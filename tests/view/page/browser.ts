@@ -1,11 +1,11 @@
-// A browser for tests: Debian's chromium with an empty folder of its own, drawing by software.
+// A browser for tests: Debian's chromium, drawing by software. Each page has a profile of its own, which nothing was kept in.
 
 import assert from "node:assert/strict";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after } from "node:test";
-import { chromium, type BrowserContext, type Page } from "playwright-core";
+import { type Browser, chromium, type BrowserContext, type Page } from "playwright-core";
 import type { Model } from "../../../lib/slamdb/view/page/model";
 import type { Stage } from "../../../lib/slamdb/view/page/stage";
 import { blocksOfParts, columnsOf, pack, type PlainScene } from "./encoder";
@@ -42,7 +42,7 @@ export type PageGlobals = typeof globalThis & Left & { violations: string[] };
 export class Viewer {
   readonly folder = mkdtempSync(join(tmpdir(), "slamdb-view-"));
   private readonly script = readFileSync(process.env.PAGE_SCRIPT ?? "", "utf8").trimEnd();
-  private contexts: BrowserContext[] = [];
+  private browser?: Promise<Browser>; // begun with the first page
   private files = 0;
 
   /** A file with a page of the scene. */
@@ -57,12 +57,12 @@ export class Viewer {
   }
 
   async open(file: string, look: Look = {}): Promise<Opened> {
-    const context = await chromium.launchPersistentContext(mkdtempSync(join(this.folder, "profile-")), {
-      executablePath: kChromium, args: kArguments, viewport: { width: look.width ?? 1000, height: look.height ?? 700 }, colorScheme: look.scheme ?? "dark",
+    this.browser ??= chromium.launch({ executablePath: kChromium, args: kArguments });
+    const context = await (await this.browser).newContext({
+      viewport: { width: look.width ?? 1000, height: look.height ?? 700 }, colorScheme: look.scheme ?? "dark",
       hasTouch: look.touch ?? false, reducedMotion: look.reducedMotion ? "reduce" : "no-preference", acceptDownloads: true,
     });
-    this.contexts.push(context);
-    const page = context.pages()[0] ?? (await context.newPage());
+    const page = await context.newPage();
     const complaints: string[] = [];
     page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
     page.on("pageerror", (error) => complaints.push(String(error)));
@@ -77,7 +77,7 @@ export class Viewer {
   }
 
   async close(): Promise<void> {
-    for (const context of this.contexts) await context.close().catch(() => {});
+    await (await this.browser)?.close();
     rmSync(this.folder, { recursive: true, force: true });
   }
 }
