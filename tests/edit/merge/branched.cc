@@ -67,4 +67,22 @@ Branched Branch(const World& world, std::uint64_t seed) {
   return branched;
 }
 
+MapPointId NeverSeenWith(MapPointId point, const Branched& branched) {
+  const auto keyframes_of = [](const Atlas& atlas, MapPointId id) {
+    std::set<KeyFrameId> keyframes;
+    const std::uint32_t row = PointTable(atlas.maps[0]).Find(id.value());
+    if (row == kNoRow) return keyframes;
+    for (const Observation& seen : atlas.maps[0].points[row].observations) keyframes.insert(seen.keyframe);
+    return keyframes;
+  };
+  for (const MapPoint& other : branched.base.maps[0].points) {
+    const auto are_apart = [&](const Atlas& atlas) {
+      const auto one = keyframes_of(atlas, point), two = keyframes_of(atlas, other.id);
+      return !two.empty() && std::ranges::none_of(two, [&](KeyFrameId id) { return one.contains(id); });
+    };
+    if (are_apart(branched.base) && are_apart(branched.ours) && are_apart(branched.theirs)) return other.id;
+  }
+  return {};
+}
+
 }  // namespace slamdb

@@ -23,6 +23,9 @@ struct Branched {
 // New ids collide, as each side goes on counting where the base ends.
 Branched Branch(const World& world, std::uint64_t seed = 1);
 
+// A point of the base that both sides have, too, and no keyframe of any sees together with that one.
+MapPointId NeverSeenWith(MapPointId point, const Branched& branched);
+
 // The keyframes of a map that `keeps(row)` says, with counters that are not above what is left.
 template <class Keeps>
 Atlas Part(const Atlas& atlas, const Keeps& keeps) {

@@ -164,7 +164,8 @@ TEST(ThreeWayLandmarks, OfPointsThatASideFusedBecomeOne) {
   };
   const Atlas base = all(branched.base), theirs = all(branched.theirs);
   Atlas ours = branched.ours;
-  FusePairs(ours.maps[0], {{branched.base.maps[0].points[3].id, branched.base.maps[0].points[4].id}});
+  const MapPointId gone = branched.base.maps[0].points[3].id;
+  ASSERT_EQ(FusePairs(ours.maps[0], {{NeverSeenWith(gone, branched), gone}}).fused, 1U);
   ours = all(ours);
   for (const bool swapped : {false, true}) {
     const ThreeWayResult merged = swapped ? MergeThreeWays(base, theirs, ours) : MergeThreeWays(base, ours, theirs);

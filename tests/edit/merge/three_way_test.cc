@@ -373,18 +373,7 @@ TEST_F(OneThing, APointThatOneSideCulledGoesUnlessTheOtherSeesMoreOfIt) {
 
 TEST_F(OneThing, ObservationsFollowAPointIntoTheOneThatReplacedIt) {
   const MapPointId gone = PointOf(ours(), true);
-  const auto seen_together = [&](const MapPoint& a, const MapPoint& b) {
-    return std::ranges::any_of(a.observations, [&](const Observation& seen) {
-      return std::ranges::find(b.observations, seen.keyframe, &Observation::keyframe) != b.observations.end();
-    });
-  };
-  MapPointId kept;
-  for (const MapPoint& point : branched_.base.maps[0].points)
-    if (point.id != gone && Find(theirs(), point.id) && Find(ours(), point.id) &&
-        !seen_together(point, *Find(theirs(), gone)) && !seen_together(*Find(ours(), point.id), *Find(ours(), gone)) &&
-        !seen_together(*Find(theirs(), point.id), *Find(theirs(), gone)))
-      kept = point.id;
-  ASSERT_TRUE(kept);
+  const MapPointId kept = NeverSeenWith(gone, branched_);
   ASSERT_EQ(FusePairs(theirs(), {{kept, gone}}).fused, 1U);
   const std::size_t of_gone = Find(ours(), gone)->observations.size(),
                     of_kept = Find(ours(), kept)->observations.size();

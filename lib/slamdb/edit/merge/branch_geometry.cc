@@ -303,6 +303,11 @@ bool IsAnotherFrame(const Similarity3d& motion, const Map& map) {
          (motion * center - center).norm() > kMostShift * static_cast<double>(box.diagonal().norm());
 }
 
+std::optional<Similarity3d> ToAnotherFrame(const Map& target, const Map& source) {
+  const auto mean = MeanMotion(target, source, HasArbitraryScale(target) || HasArbitraryScale(source));
+  return mean && IsAnotherFrame(*mean, source) ? mean : std::nullopt;
+}
+
 BranchMotion Bend(const Targets& targets, int threads, Map& map) {
   BranchMotion report;
   const MapStates before(map);

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "slamdb/edit/merge/detail/fused_landmarks.h"
 #include "slamdb/edit/merge/detail/three_ways.h"
 #include "slamdb/model/detail/row_hash.h"
 
@@ -68,6 +69,11 @@ std::unordered_set<std::uint64_t> IdsOf(const Atlas& atlas) {
     for (const Landmark& landmark : map.landmarks)
       if (landmark.is_numbered()) ids.insert(landmark.id.value());
   return ids;
+}
+
+void Move(Landmark& landmark, const Eigen::Vector3f& from, const Eigen::Vector3f& to) {
+  const Eigen::Vector3d moved = (to - from).cast<double>();
+  if (from != to && moved.allFinite()) landmark.mean += moved;
 }
 
 }  // namespace
@@ -155,17 +161,23 @@ bool LandmarkPlan::Apply(std::vector<Landmark>& ours, const std::vector<Landmark
   return took_any;
 }
 
-PlacesOfPoints PlacesOfTheirPoints(const LandmarkPlan& plan, const Map& ours, const Map& theirs,
+PlacesOfPoints PlacesOf(const Map& map, const PointClasses& classes) {
+  PlacesOfPoints places;
+  places.reserve(map.points.size());
+  for (const MapPoint& point : map.points) {
+    const MapPointId name = classes.Of(point.id);
+    Eigen::Vector3f& place = places.emplace(name.value(), point.position).first->second;
+    if (name == point.id) place = point.position;
+  }
+  return places;
+}
+
+PlacesOfPoints PlacesBeforeMerging(const LandmarkPlan& plan, const Map& ours, const Map& theirs,
                                    const PointClasses& classes) {
   PlacesOfPoints all;
   const auto add = [&](const Map& side, const auto& is_taken) {
     if (side.landmarks.empty()) return;
-    PlacesOfPoints places;
-    for (const MapPoint& point : side.points) {
-      const MapPointId name = classes.Of(point.id);
-      Eigen::Vector3f& place = places.emplace(name.value(), point.position).first->second;
-      if (name == point.id) place = point.position;
-    }
+    const PlacesOfPoints places = PlacesOf(side, classes);
     for (std::size_t row = 0; row < side.landmarks.size(); ++row) {
       const Landmark& landmark = side.landmarks[row];
       const auto place = landmark.is_numbered() ? places.find(landmark.id.value()) : places.end();
@@ -180,16 +192,42 @@ PlacesOfPoints PlacesOfTheirPoints(const LandmarkPlan& plan, const Map& ours, co
   return all;
 }
 
-void FollowPoints(const PlacesOfPoints& before, Map& map) {
+void FollowPoints(const PlacesOfPoints& before, const PointClasses& classes, Map& map) {
   if (before.empty()) return;
-  const IdTable points = PointTable(map);
+  const PlacesOfPoints now = PlacesOf(map, classes);
   for (Landmark& landmark : map.landmarks) {
     const auto was = landmark.is_numbered() ? before.find(landmark.id.value()) : before.end();
-    const std::uint32_t point = was == before.end() ? kNoRow : points.Find(landmark.id.value());
-    if (point == kNoRow || map.points[point].position == was->second) continue;
-    const Eigen::Vector3d moved = (map.points[point].position - was->second).cast<double>();
-    if (moved.allFinite()) landmark.mean += moved;
+    const auto is = was == before.end() ? now.end() : now.find(was->first);
+    if (is != now.end()) Move(landmark, was->second, is->second);
   }
+}
+
+void FollowFusing(const PlacesOfPoints& before, const FuseReport& fused, Map& map) {
+  const IdTable points = PointTable(map);
+  for (Landmark& landmark : map.landmarks) {
+    const MapPointId id(landmark.id.value());
+    const auto was = before.find(id.value());
+    if (was == before.end()) continue;
+    const auto gone = std::ranges::lower_bound(fused.replaced, id, {}, &std::pair<MapPointId, MapPointId>::first);
+    const MapPointId name = gone != fused.replaced.end() && gone->first == id ? gone->second : id;
+    if (const std::uint32_t is = points.Find(name.value()); is != kNoRow)
+      Move(landmark, was->second, map.points[is].position);
+  }
+  FollowFusedPoints(fused, map);
+}
+
+void UniteLandmarks(const PointClasses& classes, Map& map) {
+  const FuseReport fused{.replaced = classes.Gone()};
+  if (fused.replaced.empty() || map.landmarks.empty()) return;
+  const PlacesOfPoints places = PlacesOf(map, classes);
+  const IdTable points = PointTable(map);
+  for (Landmark& landmark : map.landmarks) {
+    const std::uint32_t point = landmark.is_numbered() ? points.Find(landmark.id.value()) : kNoRow;
+    if (point == kNoRow) continue;
+    const MapPoint& own = map.points[point];
+    Move(landmark, own.position, places.at(classes.Of(own.id).value()));
+  }
+  FollowFusedPoints(fused, map);
 }
 
 bool HasOtherLandmarks(const LandmarkLists& base, std::span<const Landmark> list) {

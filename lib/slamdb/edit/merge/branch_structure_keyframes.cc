@@ -150,8 +150,7 @@ void StructureMerge::MergeFields(KeyFrame& ours, const KeyFrame& theirs) {
   });
   group("words", [](const auto& visit) { fields::ForEachWordField(visit); });
   group("imu calibration", [](const auto& visit) { fields::ForEachImuCalibrationField(visit); });
-  if (!options_.theirs_has_no_members)
-    group("members of a fork", [](const auto& visit) { visit("carried", &KeyFrame::carried); });
+  group("members of a fork", [](const auto& visit) { visit("carried", &KeyFrame::carried); });
   group("origin map", [](const auto& visit) { visit("origin_map", &KeyFrame::origin_map); });
   group("merge scale", [](const auto& visit) { visit("merge_scale", &KeyFrame::merge_scale); });
   group("frame", [](const auto& visit) { visit("frame_id", &KeyFrame::frame_id); });

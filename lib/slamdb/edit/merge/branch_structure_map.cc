@@ -27,7 +27,7 @@ void StructureMerge::MergeHeader() {
   const Map was = HeaderOf(ours_map_);
   merge(&Map::initial_keyframe);
   merge(&Map::first_keyframe);
-  if (!options_.theirs_has_no_members) merge(&Map::carried);
+  merge(&Map::carried);
   if (!options_.flags_of_ours)
     for (const auto flag : {&Map::imu_initialized, &Map::inertial, &Map::imu_ba1, &Map::imu_ba2}) merge(flag);
   if (before != nullptr)

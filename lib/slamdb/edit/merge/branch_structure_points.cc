@@ -126,7 +126,7 @@ void StructureMerge::MergePoint(const Class& of, MapPoint& ours, const MapPoint&
     merge(&MapPoint::first_frame, "first frame");
     Restore(*before, ours);
     if (theirs.origin_map != MapPoint::kNoOrigin) merge(&MapPoint::origin_map, "origin map");
-    if (!options_.theirs_has_no_members) merge(&MapPoint::carried, "members of a fork");
+    merge(&MapPoint::carried, "members of a fork");
     MergeReference(*before, theirs, ours);
     AddCounts(*before, theirs, &MapPoint::visible_count, ours);
     AddCounts(*before, theirs, &MapPoint::found_count, ours);

@@ -169,10 +169,7 @@ class Merger {
       const bool same = input.layout == result_.atlas.layout;
       const std::uint64_t before = report().dropped_members;
       detail::ForEachCarried(input, [&](Boxed<Carried>& carried) {
-        if (!detail::HasMembers(carried) || (same && &carried != &input.carried)) return;
-        ++report().dropped_members;
-        carried.Make().members.clear();
-        if (carried->empty()) carried.Reset();
+        if (!same || &carried == &input.carried) report().dropped_members += detail::DropMembers(carried);
       });
       if (!same && report().dropped_members > before)
         report().other_layouts.push_back(NameOfInput(static_cast<std::size_t>(&input - inputs.data())));

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // 1. A side that is the base, or the other side, leaves nothing to do.
 // 2. What is one thing gets one id, and what is in each atlas is written down.
-// 3. Maps are grouped by what they share. Of each group the sides are bent onto each other, their structures merged,
+// 3. What the format of a side has no place for is in it as in the base.
+// 4. Maps are grouped by what they share. Of each group the sides are bent onto each other, their structures merged,
 // and
 //    new points at one place fused.
-// 4. What is around the maps is merged, and the result held against what was written down.
+// 5. What is around the maps is merged, and the result held against what was written down.
 #include "slamdb/edit/merge/three_way.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
+#include <span>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -22,8 +23,7 @@
 #include "slamdb/edit/merge/detail/branch_maps.h"
 #include "slamdb/edit/merge/detail/branch_proof.h"
 #include "slamdb/edit/merge/detail/branch_structure.h"
-#include "slamdb/edit/merge/detail/fused_landmarks.h"
-#include "slamdb/edit/merge/detail/mixture.h"
+#include "slamdb/edit/merge/detail/branch_unrecorded.h"
 #include "slamdb/edit/merge/detail/three_ways.h"
 #include "slamdb/model/counters.h"
 #include "slamdb/model/detail/carried_members.h"
@@ -63,7 +63,7 @@ class ThreeWayMerger {
     detail::Steps steps(options_.progress, "merging", 4);
     Prepare();
     CompareVocabularies();
-    CompareLayouts();
+    AgreeOnLayout();
     base_maps_ = IdsOfMaps(branches_.base);
     their_maps_ = IdsOfMaps(branches_.theirs);
     const detail::UnifiedIds ids = detail::UnifyIds(branches_, options_.names, options_.threads);
@@ -75,7 +75,11 @@ class ThreeWayMerger {
     classes_ = detail::PointClasses(*base_index_, AtlasIndex(branches_.ours), AtlasIndex(branches_.theirs));
     report().fused = classes_.Gone();
     UniteLandmarks();
+    maps_of_ours_ = branches_.ours.maps.size();
+    for (const std::size_t side : {0, 1}) TakeOver(side);
     our_maps_ = IdsOfMaps(branches_.ours);
+    for (std::size_t row = their_maps_.size(); row < branches_.theirs.maps.size(); ++row)
+      their_maps_.push_back(branches_.theirs.maps[row].id);
     for (const MapGroup& group : detail::GroupMaps(branches_, options_.names)) MergeGroup(group);
     steps.Next();
     Assemble();
@@ -103,57 +107,57 @@ class ThreeWayMerger {
     for (std::size_t i = 0; i < 3; ++i) report().counts[i] = CountContent(*atlases[i], options_.threads);
   }
 
-  // Whether the result is one side as it is.
+  // Whether the result is one side as it is, but for what its format has no place for.
   bool IsTrivial() {
-    const std::uint64_t base = HashWithoutEncoding(branches_.base, options_.threads),
-                        ours = HashWithoutEncoding(branches_.ours, options_.threads),
+    unrecorded_ = {detail::UnrecordedIn(branches_.ours, branches_.base),
+                   detail::UnrecordedIn(branches_.theirs, branches_.base)};
+    const std::uint64_t ours = HashWithoutEncoding(branches_.ours, options_.threads),
                         theirs = HashWithoutEncoding(branches_.theirs, options_.threads);
     report().same = ours == theirs;
-    if (!report().same && base == theirs) report().unchanged = BranchSide::kTheirs;
-    if (!report().same && base == ours) report().unchanged = BranchSide::kOurs;
+    if (!report().same && HashOfBaseIn(branches_.theirs, unrecorded_[1]) == theirs)
+      report().unchanged = BranchSide::kTheirs;
+    else if (!report().same && HashOfBaseIn(branches_.ours, unrecorded_[0]) == ours)
+      report().unchanged = BranchSide::kOurs;
     if (!report().same && !report().unchanged && options_.take_containing)
       report().contains = detail::FindContaining(branches_, options_.threads);
     if (!report().same && !report().unchanged && !report().contains) return false;
     const bool is_theirs = report().unchanged == BranchSide::kOurs || report().contains == BranchSide::kTheirs;
-    if (!report().same && LacksAPlace(is_theirs ? branches_.theirs : branches_.ours)) {
-      report().unchanged = report().contains = std::nullopt;
-      return false;
-    }
-    if (report().same && HasLandmarks(branches_.base) && !HasLandmarks(branches_.ours))
-      report().warnings.push_back("both sides have no landmarks, as an .osa file has none: those of " +
-                                  options_.names[0] + " are lost");
-    result_.atlas = is_theirs ? branches_.theirs : branches_.ours;
-    report().result = report().counts[is_theirs ? 2 : 1];
-    if (options_.id_maps) RecordTrivialIds(is_theirs);
+    const bool is_complete = !unrecorded_[is_theirs ? 1 : 0].Any();
+    if (is_complete) result_.atlas = is_theirs ? branches_.theirs : branches_.ours;
+    if (!is_complete || options_.id_maps) FollowTrivial(is_theirs);
+    if (!is_complete) result_.atlas = std::move(branches_.ours);
+    report().result = CountContent(result_.atlas, options_.threads);
     return true;
   }
 
-  // Whether a side comes from a format that has no place for what the base has, as an .osa file.
-  bool LacksAPlace(const Atlas& side) const {
-    return (HasLandmarks(branches_.base) && !HasLandmarks(side)) ||
-           (HasTracking(branches_.base) && !HasTracking(side)) ||
-           (!branches_.base.layout.empty() && side.layout.empty());
-  }
-  static bool HasLandmarks(const Atlas& atlas) {
-    return std::ranges::any_of(atlas.maps, [](const Map& map) { return !map.landmarks.empty(); });
-  }
-  static bool HasTracking(const Atlas& atlas) {
-    return std::ranges::any_of(atlas.maps, [](const Map& map) {
-      return std::ranges::any_of(map.points, [](const MapPoint& point) { return point.has_tracking(); });
-    });
+  std::uint64_t HashOfBaseIn(const Atlas& side, const detail::Unrecorded& unrecorded) const {
+    if (!unrecorded.Any()) return HashWithoutEncoding(branches_.base, options_.threads);
+    return HashWithoutEncoding(detail::Without(unrecorded, branches_.base, side), options_.threads);
   }
 
-  // Where everything of the two sides is in the one that is the result.
-  void RecordTrivialIds(bool is_theirs) {
+  // Where everything of the two sides is in the one that is the result, which then is ours, and complete.
+  void FollowTrivial(bool is_theirs) {
+    const auto swap_sides = [&] {
+      std::swap(report().names[1], report().names[2]);
+      std::swap(report().dropped_members[0], report().dropped_members[1]);
+      std::swap(unrecorded_[0], unrecorded_[1]);
+    };
     if (is_theirs) {
       std::swap(branches_.ours, branches_.theirs);
-      std::swap(report().names[1], report().names[2]);
+      swap_sides();
     }
     Prepare();
+    if (unrecorded_[0].members) AgreeOnLayout();
     const detail::UnifiedIds ids = detail::UnifyIds(branches_, report().names, options_.threads);
-    report().fused =
-        detail::PointClasses(AtlasIndex(branches_.base), AtlasIndex(branches_.ours), AtlasIndex(branches_.theirs))
-            .Gone();
+    base_index_.emplace(branches_.base);
+    classes_ = detail::PointClasses(*base_index_, AtlasIndex(branches_.ours), AtlasIndex(branches_.theirs));
+    report().fused = classes_.Gone();
+    maps_of_ours_ = branches_.ours.maps.size();
+    if (unrecorded_[0].Any()) {
+      for (Map& map : branches_.base.maps) detail::UniteLandmarks(classes_, map);
+      TakeOver(0);
+      for (std::uint32_t row = 0; row < branches_.ours.maps.size(); ++row) SettleLandmarks(0, row);
+    }
     our_maps_ = IdsOfMaps(branches_.ours);
     for (const MapGroup& group : detail::GroupMaps(branches_, report().names)) {
       for (const std::uint32_t row : group.ours) map_of_ours_.emplace(our_maps_[row].value(), our_maps_[row]);
@@ -162,12 +166,11 @@ class ThreeWayMerger {
           map_of_theirs_.emplace(branches_.theirs.maps[row].id.value(), our_maps_[group.ours.front()]);
     }
     const detail::Inventory ours(branches_.ours);
-    RecordIds(ids, ours, ours);
+    if (options_.id_maps) RecordIds(ids, ours, ours);
     report().fused.clear();
-    if (is_theirs) {
-      std::swap(report().names[1], report().names[2]);
-      std::swap(report().id_maps[0], report().id_maps[1]);
-    }
+    if (!is_theirs) return;
+    swap_sides();
+    if (options_.id_maps) std::swap(report().id_maps[0], report().id_maps[1]);
   }
 
   void Prepare() {
@@ -215,31 +218,46 @@ class ThreeWayMerger {
                                 "recognition");
   }
 
-  // Members of a fork mean something in their own layout only.
-  void CompareLayouts() {
-    for (Atlas* atlas : {&branches_.base, &branches_.theirs}) {
-      if (atlas->layout == branches_.ours.layout) continue;
-      detail::ForEachCarried(*atlas, [&](Boxed<Carried>& carried) {
-        if (!detail::HasMembers(carried)) return;
-        report().dropped_members += atlas == &branches_.theirs;
-        carried.Make().members.clear();
-        if (carried->empty()) carried.Reset();
-      });
+  // Members of a fork mean something in their own layout only: that of the base, if it has any, or else of a side.
+  void AgreeOnLayout() {
+    Atlas &base = branches_.base, &ours = branches_.ours, &theirs = branches_.theirs;
+    const Atlas* owner = &ours;
+    if (detail::HasMembersOfAFork(base))
+      owner = &base;
+    else if (!detail::HasMembersOfAFork(ours) && detail::HasMembersOfAFork(theirs))
+      owner = &theirs;
+    const std::string layout = owner->layout;
+    for (const auto& [atlas, dropped] :
+         {std::pair(&ours, &report().dropped_members[0]), std::pair(&theirs, &report().dropped_members[1])}) {
+      if (atlas->layout == layout) continue;
+      detail::ForEachCarried(*atlas, [&](Boxed<Carried>& carried) { *dropped += detail::DropMembers(carried); });
+      atlas->layout = layout;
     }
+    base.layout = layout;
   }
 
-  // Of points that a side fused. A side without any comes from a format that has no place for them.
+  // Of points that a side fused.
   void UniteLandmarks() {
-    const FuseReport fused{.replaced = report().fused};
     for (Atlas* atlas : {&branches_.base, &branches_.ours, &branches_.theirs})
-      for (Map& map : atlas->maps) detail::FollowFusedPoints(fused, map);
-    if (!HasLandmarks(branches_.base)) return;
-    no_landmarks_ = {!HasLandmarks(branches_.ours), !HasLandmarks(branches_.theirs)};
-    for (std::size_t side = 0; side < 2; ++side)
-      if (no_landmarks_[side])
-        report().warnings.push_back(options_.names[side + 1] +
-                                    ": has no landmarks, as an .osa file has none: those of " + options_.names[0] +
-                                    (no_landmarks_[1 - side] ? " are lost" : " count as unchanged there"));
+      for (Map& map : atlas->maps) detail::UniteLandmarks(classes_, map);
+  }
+
+  // What the format of a side has no place for.
+  void TakeOver(std::size_t side) {
+    const detail::Unrecorded& what = unrecorded_[side];
+    if (!what.Any()) return;
+    if (what.landmarks)
+      report().warnings.push_back(report().names[side + 1] + ": has no landmarks, as an .osa file has none: those of " +
+                                  report().names[0] + " count as unchanged there");
+    places_in_base_[side] = detail::TakeOver(what, branches_.base, classes_, options_.threads,
+                                             side == 0 ? branches_.ours : branches_.theirs);
+  }
+
+  // Lays landmarks that were taken over to where their points are in the side.
+  void SettleLandmarks(std::size_t side, std::uint32_t row) {
+    if (row < places_in_base_[side].size())
+      detail::FollowPoints(places_in_base_[side][row], classes_,
+                           (side == 0 ? branches_.ours : branches_.theirs).maps[row]);
   }
 
   static std::vector<MapId> IdsOfMaps(const Atlas& atlas) {
@@ -265,6 +283,8 @@ class ThreeWayMerger {
     if (group.ours.empty() && group.theirs.empty()) return;
     if (group.ours.empty() || group.theirs.empty()) return TakeWhole(group);
     const detail::LandmarkPlan landmarks = PlanLandmarks(group);
+    for (const std::uint32_t row : group.ours) SettleLandmarks(0, row);
+    for (const std::uint32_t row : group.theirs) SettleLandmarks(1, row);
     if (group.IsJoined()) detail::LayTogether(branches_, group, options_.threads);
     const Map* base = group.base.empty() ? nullptr : &branches_.base.maps[group.base.front()];
     Map &ours = branches_.ours.maps[group.ours.front()], &theirs = branches_.theirs.maps[group.theirs.front()];
@@ -280,13 +300,6 @@ class ThreeWayMerger {
     parts_.push_back({group.ours.front(), std::move(ours)});
   }
 
-  // How the source lies in the frame of the target, where that is another one.
-  static std::optional<Similarity3d> ToAnotherFrame(const Map& target, const Map& source) {
-    const bool with_scale = detail::HasArbitraryScale(target) || detail::HasArbitraryScale(source);
-    const auto mean = detail::MeanMotion(target, source, with_scale);
-    return mean && detail::IsAnotherFrame(*mean, source) ? mean : std::nullopt;
-  }
-
   detail::LandmarkPlan PlanLandmarks(const MapGroup& group) const {
     const auto lists = [](const Atlas& atlas, const std::vector<std::uint32_t>& rows) {
       detail::LandmarkLists all;
@@ -295,15 +308,14 @@ class ThreeWayMerger {
     };
     const auto base = lists(branches_.base, group.base), ours = lists(branches_.ours, group.ours),
                theirs = lists(branches_.theirs, group.theirs);
+    const bool has_landmarks = std::ranges::any_of(base, [](const auto& list) { return !list.empty(); });
     const auto moved = [&](const Atlas& side, const std::vector<std::uint32_t>& rows) {
-      return HasLandmarks(branches_.base) && !group.base.empty() &&
-             ToAnotherFrame(side.maps[rows.front()], branches_.base.maps[group.base.front()]).has_value();
+      return has_landmarks && !group.base.empty() &&
+             detail::ToAnotherFrame(side.maps[rows.front()], branches_.base.maps[group.base.front()]).has_value();
     };
     const bool with_places =
         !group.IsJoined() && !moved(branches_.ours, group.ours) && !moved(branches_.theirs, group.theirs);
-    // A side that has none, as its format has not, has them as the base does.
-    return detail::PlanLandmarks(no_landmarks_[0] ? detail::LandmarkLists() : base, ours,
-                                 no_landmarks_[1] ? base : theirs, options_.prefer, with_places);
+    return detail::PlanLandmarks(base, ours, theirs, options_.prefer, with_places);
   }
 
   // What one side made, or deleted while the other went on with it, or not.
@@ -312,11 +324,11 @@ class ThreeWayMerger {
     Atlas& atlas = is_ours ? branches_.ours : branches_.theirs;
     for (const std::uint32_t row : is_ours ? group.ours : group.theirs) {
       Map& map = atlas.maps[row];
-      const bool has_no_place = map.keyframes.empty() && map.points.empty() && no_landmarks_[is_ours ? 1 : 0];
-      if (!group.base.empty() && !has_no_place) {
+      if (!group.base.empty()) {
         if (!IsExtended(map, group)) continue;
         report().conflicts.push_back({{.map = map.id}, "deletion", is_ours ? BranchSide::kOurs : BranchSide::kTheirs});
       }
+      SettleLandmarks(is_ours ? 0 : 1, row);
       took_any_ = took_any_ || !is_ours;
       const std::uint64_t before = map.id.value();
       if (!is_ours) map.id = FreeMapId(map.id);
@@ -396,7 +408,6 @@ class ThreeWayMerger {
     return {.prefer = options_.prefer,
             .geometry = options_.geometry,
             .flags_of_ours = flags_of_ours,
-            .theirs_has_no_members = branches_.theirs.layout.empty() && !branches_.base.layout.empty(),
             .landmarks = landmarks,
             .threads = options_.threads};
   }
@@ -408,33 +419,34 @@ class ThreeWayMerger {
     const std::vector<std::uint8_t> moved_by_ours = MovedPoints(base, ours),
                                     moved_by_theirs = MovedPoints(base, theirs);
     BendSides(base, ours, theirs, merged);
-    const detail::PlacesOfPoints places = detail::PlacesOfTheirPoints(landmarks, ours, theirs, classes_);
+    const detail::PlacesOfPoints places = detail::PlacesBeforeMerging(landmarks, ours, theirs, classes_);
     detail::StructureReport structure = detail::MergeStructure(
         base, ours, theirs, classes_, moved_by_ours, moved_by_theirs, StructureOptionsOf(landmarks, flags_of_ours));
     took_any_ = took_any_ || structure.took_any;
     report().dangling += structure.dangling;
     merged.recounted = structure.recounted;
     std::ranges::move(structure.conflicts, std::back_inserter(report().conflicts));
+    detail::FollowPoints(places, classes_, ours);
     Fuse(structure, ours, merged);
-    detail::FollowPoints(places, ours);
   }
 
   // A side that lies in another frame than the base, or has another unit, keeps both: the others are moved there as a
   // whole. Returns whether flags of the IMU are those of ours though theirs changed them, because its frame is not
   // kept.
   bool ChooseFrame(Map* base, Map& ours, Map& theirs, MergedBranchMap& merged) {
-    if (!ToAnotherFrame(ours, theirs)) return false;
-    const bool ours_left = base && ToAnotherFrame(ours, *base), theirs_left = base && ToAnotherFrame(theirs, *base);
+    if (!detail::ToAnotherFrame(ours, theirs)) return false;
+    const bool ours_left = base && detail::ToAnotherFrame(ours, *base),
+               theirs_left = base && detail::ToAnotherFrame(theirs, *base);
     const bool to_theirs =
         options_.geometry == BranchGeometry::kTheirs || (options_.geometry != BranchGeometry::kOurs && theirs_left &&
                                                          (!ours_left || options_.prefer == BranchSide::kTheirs));
     Map &target = to_theirs ? theirs : ours, &source = to_theirs ? ours : theirs;
     (to_theirs ? merged.motion_of_ours : merged.motion_of_theirs).another_frame = true;
-    const Similarity3d moved = *ToAnotherFrame(target, source);
+    const Similarity3d moved = *detail::ToAnotherFrame(target, source);
     for (std::string& warning : TransformWarnings(source, moved)) report().warnings.push_back(std::move(warning));
     TransformMap(source, moved, options_.threads);
     if (base != nullptr)
-      if (const auto of_base = ToAnotherFrame(target, *base)) TransformMap(*base, *of_base, options_.threads);
+      if (const auto of_base = detail::ToAnotherFrame(target, *base)) TransformMap(*base, *of_base, options_.threads);
     return !to_theirs && theirs_left;
   }
 
@@ -458,8 +470,9 @@ class ThreeWayMerger {
     FuseOptions fuse = *options_.fuse;
     fuse.known.insert(fuse.known.end(), structure.coincide.begin(), structure.coincide.end());
     fuse.threads = options_.threads;
+    const auto places = map.landmarks.empty() ? detail::PlacesOfPoints() : detail::PlacesOf(map, {});
     const FuseReport fused = FusePoints(map, structure.own_points, fuse);
-    detail::FollowFusedPoints(fused, map);
+    detail::FollowFusing(places, fused, map);
     cleared_ += fused.cleared_slots;
     report().fused.insert(report().fused.end(), fused.replaced.begin(), fused.replaced.end());
     merged.fused = fused;
@@ -510,7 +523,8 @@ class ThreeWayMerger {
       return found == maps.end() ? kNoId : found->second.value();
     };
     IdMap mine{.input = report().names[1]}, other{.input = report().names[2]};
-    for (const MapId map : our_maps_) mine[IdKind::kMap].push_back({map.value(), map_of(map_of_ours_, map.value())});
+    for (const MapId map : std::span(our_maps_).first(maps_of_ours_))
+      mine[IdKind::kMap].push_back({map.value(), map_of(map_of_ours_, map.value())});
     for (const auto& [id, features] : ours.keyframes)
       mine[IdKind::kKeyFrame].push_back({id, is_keyframe(id) ? id : kNoId});
     for (const std::uint64_t id : ours.points) mine[IdKind::kPoint].push_back({id, SurvivorOf(id, result)});
@@ -543,10 +557,12 @@ class ThreeWayMerger {
   std::vector<Part> parts_;
   std::unordered_map<std::uint64_t, MapId> map_of_ours_, map_of_theirs_;  // ids before (unified) and after
   std::vector<MapId> base_maps_, our_maps_, their_maps_;                  // by row, as they came
-  std::unordered_set<std::uint64_t> map_ids_;                             // of the result; filled when first needed
-  std::uint64_t cleared_ = 0;                                             // keypoints that fusing emptied
-  bool took_any_ = false;                                                 // something of theirs is in the result
-  std::array<bool, 2> no_landmarks_{};  // whether ours, theirs have none though the base has
+  std::size_t maps_of_ours_ = 0;                  // that came; those that were taken over stand behind
+  std::unordered_set<std::uint64_t> map_ids_;     // of the result; filled when first needed
+  std::uint64_t cleared_ = 0;                     // keypoints that fusing emptied
+  bool took_any_ = false;                         // something of theirs is in the result
+  std::array<detail::Unrecorded, 2> unrecorded_;  // of ours and theirs, as they came
+  std::array<std::vector<detail::PlacesOfPoints>, 2> places_in_base_;  // by row of the maps of ours and theirs
 };
 
 }  // namespace
@@ -572,9 +588,10 @@ void TellWarnings(const ThreeWayReport& report, Notices& notices) {
     notices.Warn(detail::Counted(report.other_images, "keyframe") + " of a side " +
                  (report.other_images == 1 ? "has an id" : "have ids") + " of " + report.names[0] +
                  " and another image, and count as new");
-  if (report.dropped_members > 0)
-    notices.Lose(report.names[2] +
-                 ": the members of its fork are of another layout than those of the result, and were left out");
+  for (const std::size_t side : {0, 1})
+    if (report.dropped_members[side] > 0)
+      notices.Lose(report.names[side + 1] +
+                   ": the members of its fork are of another layout than those of the result, and were left out");
   for (const std::string& warning : report.warnings) notices.Warn(warning);
 }
 

@@ -109,7 +109,8 @@ struct ThreeWayReport {
   std::vector<BranchConflict> conflicts;
   std::uint64_t other_images = 0;  // keyframes of a side with an id of the base, and another image: new ones
   std::uint64_t dangling = 0;      // references of the inputs that led nowhere, and were cut
-  std::uint64_t dropped_list_entries = 0, dropped_members = 0;  // as in MergeReport
+  std::uint64_t dropped_list_entries = 0;          // as in MergeReport
+  std::array<std::uint64_t, 2> dropped_members{};  // of ours and theirs: entities whose members of a fork were left out
   std::vector<std::string> warnings;
   ContentCounts result;
   std::vector<IdMap> id_maps;  // of ours and theirs

@@ -93,7 +93,7 @@ Json ThreeWayJson(const ThreeWayReport& report, const std::string& output) {
                              .shift = side == 2 ? report.shift : std::array<std::uint64_t, kIdKinds>(),
                              .cameras = {}});
   merged.dropped_list_entries = report.dropped_list_entries;
-  merged.dropped_members = report.dropped_members;
+  merged.dropped_members = report.dropped_members[0] + report.dropped_members[1];
   merged.warnings = report.warnings;
   merged.result = report.result;
   Json json = MergeJson(merged, output);

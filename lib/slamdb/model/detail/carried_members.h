@@ -8,6 +8,14 @@ namespace slamdb::detail {
 // Whether an entity has members of a fork that are no part of the model.
 inline bool HasMembers(const Boxed<Carried>& carried) { return carried && !carried->members.empty(); }
 
+// Returns whether there were any.
+inline bool DropMembers(Boxed<Carried>& carried) {
+  if (!HasMembers(carried)) return false;
+  carried.Make().members.clear();
+  if (carried->empty()) carried.Reset();
+  return true;
+}
+
 // visit(carried) for what each entity carries, that of the atlas itself first; const when the atlas is.
 template <class AnAtlas, class Visit>
 void ForEachCarried(AnAtlas& atlas, const Visit& visit) {

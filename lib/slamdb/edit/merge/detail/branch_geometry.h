@@ -20,6 +20,9 @@ std::optional<Similarity3d> MeanMotion(const Map& target, const Map& source, boo
 // Whether a motion is more than what optimisation does to a map: another frame, or unit.
 bool IsAnotherFrame(const Similarity3d& motion, const Map& map);
 
+// How the source lies in the frame of the target, where that is another one.
+std::optional<Similarity3d> ToAnotherFrame(const Map& target, const Map& source);
+
 // The motion between two motions of a map.
 Similarity3d Halfway(const Similarity3d& one, const Similarity3d& other, const Map& map);
 

@@ -39,12 +39,22 @@ using LandmarkLists = std::vector<std::span<const Landmark>>;  // of maps that b
 LandmarkPlan PlanLandmarks(const LandmarkLists& base, const LandmarkLists& ours, const LandmarkLists& theirs,
                            BranchSide prefer, bool with_places);
 
-// Of landmarks of the result by id, where their points are in the side that they come from.
+// Where points are, by the names of their classes: those that go by the name, or else any.
 using PlacesOfPoints = std::unordered_map<std::uint64_t, Eigen::Vector3f>;
-PlacesOfPoints PlacesOfTheirPoints(const LandmarkPlan& plan, const Map& ours, const Map& theirs,
+PlacesOfPoints PlacesOf(const Map& map, const PointClasses& classes);
+
+// Of the landmarks of the result, where their points are in the side that they come from.
+PlacesOfPoints PlacesBeforeMerging(const LandmarkPlan& plan, const Map& ours, const Map& theirs,
                                    const PointClasses& classes);
-// Moves landmarks as far as these points have moved since.
-void FollowPoints(const PlacesOfPoints& before, Map& map);
+
+// Moves landmarks as far as their points have moved since.
+void FollowPoints(const PlacesOfPoints& before, const PointClasses& classes, Map& map);
+
+// The same where points were fused since: their landmarks become one, too.
+void FollowFusing(const PlacesOfPoints& before, const FuseReport& fused, Map& map);
+
+// Landmarks of points that are one become one, at the place of that.
+void UniteLandmarks(const PointClasses& classes, Map& map);
 
 // Whether a list has a landmark that the base has not, or otherwise.
 bool HasOtherLandmarks(const LandmarkLists& base, std::span<const Landmark> list);

@@ -19,7 +19,6 @@ struct StructureOptions {
   BranchSide prefer = BranchSide::kOurs;
   BranchGeometry geometry = BranchGeometry::kAlign;
   bool flags_of_ours = false;  // those of the IMU stay as ours has them: the frame is that of ours, and theirs is not
-  bool theirs_has_no_members = false;  // of a fork, because its layout has none: those of the base are no deletion
   const LandmarkPlan& landmarks;
   int threads = 0;
 };
