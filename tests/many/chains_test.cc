@@ -139,6 +139,13 @@ TEST(Chains, TellWhatOneAloneHas) {
   EXPECT_EQ(NumbersAlone({.links = {{1, 10}, {2, 20}, {3, 30}, {4, 40, 30}}}, {.links = {{2, 20}, {4, 40, 30}}}),
             Numbers({1}));
   EXPECT_EQ(NumbersAlone({.links = merged}, {.links = {{1, 10}, {2, 20}, {3, 30}, {4, 40, 30}}}), Numbers());
+  // What was taken back by restoring what both have is in neither.
+  EXPECT_EQ(NumbersAlone({.links = {{1, 10}, {2, 20}, {3, 10, 10}}}, {.links = {{1, 10}, {2, 30}, {3, 10, 10}}}),
+            Numbers({2}));
+  EXPECT_EQ(NumbersAlone({.links = {{1, 10}, {2, 20}, {3, 30}, {4, 20, 20}}}, {.links = {{1, 20}}}), Numbers({1, 3}));
+  EXPECT_EQ(NumbersAlone({.links = {{1, 10}, {2, 20}, {3, 10, 10}, {4, 30}, {5, 40, 30}}},
+                         {.links = {{1, 10}, {2, 31}, {3, 40, 30}}}),
+            Numbers({2}));
   // Of a merge with another atlas nothing is told.
   EXPECT_EQ(NumbersAlone({.links = {{1, 10}, {2, 20, 99}}}, {.links = {{1, 20, 99}}}), Numbers({1}));
 }

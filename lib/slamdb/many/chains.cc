@@ -127,8 +127,9 @@ std::vector<RevisionChain::Link> LinksAlone(const RevisionChain& chain, const Re
   std::vector<Link> alone;
   bool is_merged = false;  // into what both have
   for (auto link = chain.links.rbegin(); link != chain.links.rend(); ++link) {
+    const bool is_restored = link->from_hash == link->hash;  // which takes back what is before it
     if (others.contains(link->hash))
-      is_merged = own.contains(link->from_hash) || others.contains(link->from_hash);
+      is_merged = !is_restored && (own.contains(link->from_hash) || others.contains(link->from_hash));
     else if (!is_merged)
       alone.push_back(*link);
   }

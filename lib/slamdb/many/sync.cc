@@ -216,8 +216,10 @@ class Syncer {
         break;
       } catch (const Error& error) {
         const bool is_locked = error.kind() == ErrorKind::kLocked;
-        if (is_locked && attempt < kAttempts && HasChanged(name, first, second)) continue;
+        const bool is_taken = error.kind() == ErrorKind::kAlreadyExists;  // the name of a branch, by another just now
+        if ((is_locked || is_taken) && attempt < kAttempts && (HasChanged(name, first, second) || is_taken)) continue;
         if (EndsAll(error) && !(is_locked && IsOfOneAtlas(error))) throw;
+        waits_no_more_ = waits_no_more_ || is_locked;
         current_.result = SyncResult::kFailed;
         current_.failure = error.what();
         break;
