@@ -32,7 +32,6 @@ class Side {
       throw Error(ErrorKind::kUsage, path, "", "is no name of a store, which ends in .db, .sqlite or .slamdb");
   }
 
-  const std::string& path() const { return path_; }
   bool is_server() const { return detail::IsServer(path_); }
   bool is_missing() { return !writes_ && !store_ && Store::IsYetToBeMade(path_, options_.lock_timeout); }
   void Close() {

@@ -32,7 +32,7 @@ std::optional<double> RealOrNone(const Row& row, std::size_t column) {
 
 // ---- search: the maps that match, of those in question
 
-// As SQL with parameters from `first` on, which it appends.
+// As SQL, with parameters from $1 on, which it appends.
 class Conditions {
  public:
   Conditions(const MapQuery& query, const Partition& partition) : partition_(partition) {

@@ -108,7 +108,7 @@ void RequireNoAtlas(Connection& store) {
                      "'slamdb sync'"));
 }
 
-// `path` with the partitions of several servers, in one transaction.
+// The store gets the partitions of several servers, in one transaction.
 void MakeFleet(Connection& store, std::int64_t partitions, const std::vector<Holder>& holders) {
   Transaction transaction(store, Transaction::Kind::kWrite);
   LockMaking(store);
@@ -124,6 +124,7 @@ void MakeFleet(Connection& store, std::int64_t partitions, const std::vector<Hol
 
 std::vector<Holder> HoldersOf(std::span<const std::string> servers, std::int64_t partitions,
                               const FleetOptions& options) {
+  if (partitions < 1) throw Error(ErrorKind::kUsage, "", "", "a store has at least one partition");
   if (std::ssize(servers) > partitions)
     throw Error(ErrorKind::kUsage, "", "",
                 Concat(servers.size(), " servers cannot share ", partitions, " partitions: make more of these"));

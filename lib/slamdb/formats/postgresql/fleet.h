@@ -40,13 +40,13 @@ struct FleetOptions {
   Progress progress;
 };
 
-// Makes a store of `partitions` partitions, which are on `servers` in turn; all on its own server when there are none.
-// A server's password, when its URI has one, is kept by the store's server (pg_user_mappings). Needs the right to
-// CREATE EXTENSION postgres_fdw, or that it is there.
-// Completes what was begun; nothing happens where it is there already.
+// Makes a store of `partitions` partitions, from 1 on, which are on `servers` in turn; all on its own server when there
+// are none. A server's password, when its URI has one, is kept by the store's server (pg_user_mappings). Needs the
+// right to CREATE EXTENSION postgres_fdw, or that it is there. Completes what was begun; nothing happens where it is
+// there already.
 //
 // Throws Error: kAlreadyExists when the store has atlases, or other partitions; kUsage when a server holds a store of
-// its own, or partitions of another.
+// its own, or partitions of another, or there are more servers than partitions.
 SLAMDB_EXPORT void InitFleet(const std::string& uri, std::uint32_t partitions, std::span<const std::string> servers,
                              const FleetOptions& options = {});
 

@@ -26,8 +26,11 @@ std::set<Uuid> StoredPictures(SaveContext& context) {
   context.connection.CopyOut(
       Concat("SELECT hash FROM picture WHERE atlas = ", context.atlas),
       [&](const Row& row) {
+        const Bytes bytes = row.Blob(0);
         Uuid hash;
-        std::ranges::copy(row.Blob(0).first(hash.size()), hash.begin());
+        if (bytes.size() != hash.size())
+          throw Error(ErrorKind::kDamaged, context.connection.path(), "table picture", "a hash of another length");
+        std::ranges::copy(bytes, hash.begin());
         pictures.insert(hash);
       },
       "table picture");

@@ -194,6 +194,8 @@ void CheckIsStore(Connection& connection) { CheckIsStore(HeadOf(connection), con
 
 void LockMaking(Connection& connection) { connection.Query("SELECT pg_advisory_xact_lock($1)", {kMakingLock}); }
 
+namespace {
+
 // For the rest of the transaction; neither this lock nor those of tables are waited for longer.
 void LockMigrating(Connection& connection, double timeout) {
   WaitForLock([&] { return connection.Integer("SELECT pg_try_advisory_xact_lock($1)", {kMakingLock}) != 0; },
@@ -205,6 +207,8 @@ void LockMigrating(Connection& connection, double timeout) {
   const auto milliseconds = static_cast<std::int64_t>(std::clamp(1e3 * timeout, 1.0, 2e9));  // 0 would be for ever
   connection.Execute(Concat("SET LOCAL lock_timeout TO ", milliseconds));
 }
+
+}  // namespace
 
 void MakeTables(Connection& connection) {
   connection.Execute("CREATE SCHEMA IF NOT EXISTS slamdb");

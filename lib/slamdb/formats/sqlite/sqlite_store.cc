@@ -387,12 +387,11 @@ void SqliteStore::Remove(const std::string& name) {
   const std::int64_t row = named.atlas;
   ChangeCounter changes;
   // The history needs the counts of what goes, and how many rows went: it is entered before and completed after.
-  Record(database, "remove", name, "", {}, RecordedNow());
+  const std::int64_t history = Record(database, "remove", name, "", {}, RecordedNow());
   DeleteAtlas(database, row, changes);
-  SaveReport report{.tables = changes.Take()};
-  Statement complete(database, "UPDATE history SET deleted = ?1 WHERE row = (SELECT max(row) FROM history)",
-                     "table history");
-  complete.Bind(1, ToColumn(report.Total().deleted)).Run();
+  const SaveReport report{.tables = changes.Take()};
+  Statement complete(database, "UPDATE history SET deleted = ?1 WHERE row = ?2", "table history");
+  complete.Bind(1, ToColumn(report.Total().deleted)).Bind(2, history).Run();
   transaction.Commit();
 }
 

@@ -19,8 +19,7 @@
 // Loading an atlas. Steps:
 //   1. read the atlas' own rows, and which rows of keyframes and points are wanted (by indexes and the R*Tree)
 //   2. cut those into slices; each thread takes slices in turn, reads them over a connection of its own and decodes
-//   them
-//      into their places
+//      them into their places
 //   3. compare the hash of every row, and of the whole when all was read, with those stored
 namespace slamdb::sqlite {
 
