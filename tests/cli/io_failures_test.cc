@@ -29,7 +29,7 @@ bool IsDatabase(const std::string& bytes) { return bytes.starts_with("SQLite for
 // What a store says it holds: its pages may lie in any order. One that cannot be read, as of an older version, says so.
 std::string Meaning(const std::string& path) try {
   std::string text;
-  Store store = Store::Open(path);
+  Store store = Store::Open(path, 0.05);  // nobody else is at work: what is half made stays so
   for (const StoredAtlas& atlas : store.List()) {
     store.Load(atlas.name);  // compares every row with its hash
     text += atlas.name + " " + std::to_string(atlas.hash) + "\n";
