@@ -217,8 +217,8 @@ void FollowFusing(const PlacesOfPoints& before, const FuseReport& fused, Map& ma
 }
 
 void UniteLandmarks(const PointClasses& classes, Map& map) {
+  if (map.landmarks.empty()) return;
   const FuseReport fused{.replaced = classes.Gone()};
-  if (fused.replaced.empty() || map.landmarks.empty()) return;
   const PlacesOfPoints places = PlacesOf(map, classes);
   const IdTable points = PointTable(map);
   for (Landmark& landmark : map.landmarks) {

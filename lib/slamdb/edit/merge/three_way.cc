@@ -111,12 +111,17 @@ class ThreeWayMerger {
   bool IsTrivial() {
     unrecorded_ = {detail::UnrecordedIn(branches_.ours, branches_.base),
                    detail::UnrecordedIn(branches_.theirs, branches_.base)};
-    const std::uint64_t ours = HashWithoutEncoding(branches_.ours, options_.threads),
+    const std::uint64_t base = HashWithoutEncoding(branches_.base, options_.threads),
+                        ours = HashWithoutEncoding(branches_.ours, options_.threads),
                         theirs = HashWithoutEncoding(branches_.theirs, options_.threads);
+    const auto is_base = [&](const Atlas& side, std::uint64_t hash, const detail::Unrecorded& what) {
+      if (!what.Any()) return hash == base;
+      return hash == HashWithoutEncoding(detail::Without(what, branches_.base, side), options_.threads);
+    };
     report().same = ours == theirs;
-    if (!report().same && HashOfBaseIn(branches_.theirs, unrecorded_[1]) == theirs)
+    if (!report().same && is_base(branches_.theirs, theirs, unrecorded_[1]))
       report().unchanged = BranchSide::kTheirs;
-    else if (!report().same && HashOfBaseIn(branches_.ours, unrecorded_[0]) == ours)
+    else if (!report().same && is_base(branches_.ours, ours, unrecorded_[0]))
       report().unchanged = BranchSide::kOurs;
     if (!report().same && !report().unchanged && options_.take_containing)
       report().contains = detail::FindContaining(branches_, options_.threads);
@@ -128,11 +133,6 @@ class ThreeWayMerger {
     if (!is_complete) result_.atlas = std::move(branches_.ours);
     report().result = CountContent(result_.atlas, options_.threads);
     return true;
-  }
-
-  std::uint64_t HashOfBaseIn(const Atlas& side, const detail::Unrecorded& unrecorded) const {
-    if (!unrecorded.Any()) return HashWithoutEncoding(branches_.base, options_.threads);
-    return HashWithoutEncoding(detail::Without(unrecorded, branches_.base, side), options_.threads);
   }
 
   // Where everything of the two sides is in the one that is the result, which then is ours, and complete.
