@@ -227,11 +227,12 @@ class ThreeWayMerger {
     else if (!detail::HasMembersOfAFork(ours) && detail::HasMembersOfAFork(theirs))
       owner = &theirs;
     const std::string layout = owner->layout;
-    for (const auto& [atlas, dropped] :
-         {std::pair(&ours, &report().dropped_members[0]), std::pair(&theirs, &report().dropped_members[1])}) {
-      if (atlas->layout == layout) continue;
-      detail::ForEachCarried(*atlas, [&](Boxed<Carried>& carried) { *dropped += detail::DropMembers(carried); });
-      atlas->layout = layout;
+    for (const std::size_t side : {0, 1}) {
+      Atlas& atlas = side == 0 ? ours : theirs;
+      if (atlas.layout == layout) continue;
+      std::uint64_t& dropped = report().dropped_members[side];
+      detail::ForEachCarried(atlas, [&](Boxed<Carried>& carried) { dropped += detail::DropMembers(carried); });
+      atlas.layout = layout;
     }
     base.layout = layout;
   }
