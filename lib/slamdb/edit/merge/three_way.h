@@ -107,9 +107,9 @@ struct ThreeWayReport {
   std::vector<std::pair<MapPointId, MapPointId>> fused;  // {gone, survivor}: points of any of the three atlases
   std::vector<MapPointId> dropped_points;  // that no keypoint sees any more: of a conflict, or none saw them before
   std::vector<BranchConflict> conflicts;
-  std::uint64_t other_images = 0;  // keyframes of a side with an id of the base, and another image: new ones
-  std::uint64_t dangling = 0;      // references of the inputs that led nowhere, and were cut
-  std::uint64_t dropped_list_entries = 0;          // as in MergeReport
+  std::uint64_t other_images = 0;          // keyframes of a side with an id of the base, and another image: new ones
+  std::uint64_t dangling = 0;              // references of the inputs that led nowhere, and were cut
+  std::uint64_t dropped_list_entries = 0;  // as in MergeReport
   std::array<std::uint64_t, 2> dropped_members{};  // of ours and theirs: entities whose members of a fork were left out
   std::vector<std::string> warnings;
   ContentCounts result;
