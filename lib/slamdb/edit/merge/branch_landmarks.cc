@@ -203,6 +203,7 @@ void FollowPoints(const PlacesOfPoints& before, const PointClasses& classes, Map
 }
 
 void FollowFusing(const PlacesOfPoints& before, const FuseReport& fused, Map& map) {
+  if (map.landmarks.empty()) return;
   const IdTable points = PointTable(map);
   for (Landmark& landmark : map.landmarks) {
     const MapPointId id(landmark.id.value());
@@ -219,6 +220,7 @@ void FollowFusing(const PlacesOfPoints& before, const FuseReport& fused, Map& ma
 void UniteLandmarks(const PointClasses& classes, Map& map) {
   if (map.landmarks.empty()) return;
   const FuseReport fused{.replaced = classes.Gone()};
+  if (fused.replaced.empty()) return;
   const PlacesOfPoints places = PlacesOf(map, classes);
   const IdTable points = PointTable(map);
   for (Landmark& landmark : map.landmarks) {
